@@ -1,0 +1,2 @@
+//! The command `adcs`.
+fn main() {}

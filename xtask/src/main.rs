@@ -1,0 +1,2 @@
+//! Set-up, tests, emulation, budgets.
+fn main() {}

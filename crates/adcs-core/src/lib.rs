@@ -1,3 +1,25 @@
-//! The mathematics of a small satellite's attitude determination and control: no bus, no pin, no clock.
+//! The mathematics of a small satellite's attitude determination and control: no bus, no pin, no
+//! clock.
+//!
+//! ```text
+//!            stage I                     stage II              stage III
+//! time ─► orbit ─► reference vectors ─► attitude ─► mode ─► dipole ─► torquers
+//!                  measured vectors ──────▲          ▲
+//!                       └────────────────────────────┘  B-dot needs no attitude
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
+
+pub mod frames;
+pub mod reading;
+pub mod time;

@@ -20,6 +20,9 @@
     )
 )]
 
+pub mod control;
 pub mod frames;
 pub mod reading;
+pub mod schedule;
+pub mod sensing;
 pub mod time;

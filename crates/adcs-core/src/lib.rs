@@ -21,7 +21,10 @@
 )]
 
 pub mod control;
+pub mod environment;
 pub mod frames;
+pub mod orbit;
+pub mod pipeline;
 pub mod reading;
 pub mod schedule;
 pub mod sensing;

@@ -1,0 +1,141 @@
+//! The object that flies.
+
+use adcs_core::pipeline::{self, Configuration, Inputs, State, Thoughts};
+use adcs_core::reading::{MissingReason, Reading};
+use adcs_core::schedule::Schedule;
+use adcs_hal::board::{Board, Samples};
+use adcs_link::Digest;
+use adcs_link::frame;
+use adcs_link::message::{CycleRecord, Message, TruthRecord};
+
+use crate::parameters::{FlightParameters, ParameterError};
+
+/// What went wrong so far, counted (saturating) since power-on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Health {
+    /// Cycles in which a sensor axis gave no reading.
+    pub cycles_with_missing_readings: u32,
+    /// Cycles in which the torquers refused their command.
+    pub torquer_faults: u32,
+    /// Cycles in which the orbit model gave no position.
+    pub cycles_without_orbit: u32,
+    /// Records that did not fit their frame, which cannot happen.
+    pub records_lost: u32,
+}
+
+/// The flight application over the board `B`.
+#[derive(Debug)]
+pub struct FlightApp<B> {
+    board: B,
+    schedule: Schedule,
+    configuration: Configuration,
+    state: State,
+    next_cycle: u32,
+    health: Health,
+    digest: Digest,
+}
+
+impl<B: Board> FlightApp<B> {
+    /// Powers on with these parameters.
+    ///
+    /// # Errors
+    /// [`ParameterError`] when the parameters are refused.
+    pub fn new(board: B, parameters: &FlightParameters) -> Result<Self, ParameterError> {
+        let (schedule, configuration) = parameters.accept()?;
+        Ok(Self {
+            board,
+            schedule,
+            configuration,
+            state: State::default(),
+            next_cycle: 0,
+            health: Health::default(),
+            digest: Digest::default(),
+        })
+    }
+
+    /// Flies one cycle: clock and sensors in, thoughts, torquers out, and the record of it all.
+    pub fn cycle(&mut self) -> CycleRecord {
+        let inputs = self.sense();
+        let thoughts = pipeline::cycle(&self.configuration, &mut self.state, &inputs);
+        let driven = self.board.drive(thoughts.command.dipole);
+        let record = record(self.next_cycle, &inputs, &thoughts, driven.ok().map(|d| d.to_array()));
+        self.count(&record);
+        self.absorb(&Message::Cycle(record));
+        self.next_cycle = self.next_cycle.wrapping_add(1);
+        record
+    }
+
+    /// In simulation: takes the true state of a cycle into the flight's digest.
+    pub fn witness(&mut self, truth: &TruthRecord) {
+        self.absorb(&Message::Truth(*truth));
+    }
+
+    /// The digest over every record, and every true state witnessed, so far.
+    pub fn digest(&self) -> u64 {
+        self.digest.value()
+    }
+
+    /// What went wrong so far.
+    pub fn health(&self) -> Health {
+        self.health
+    }
+
+    fn sense(&mut self) -> Inputs {
+        let now = self.board.now();
+        let Samples { rate_rad_s, field_t } = self.board.sample();
+        let phase = self.schedule.phase(self.next_cycle);
+        Inputs { now, phase, rate_rad_s: finite(rate_rad_s), field_t: finite(field_t) }
+    }
+
+    fn count(&mut self, record: &CycleRecord) {
+        let bump = |counter: &mut u32, happened: bool| {
+            *counter = counter.saturating_add(u32::from(happened));
+        };
+        let missing = |axes: &[Reading<f32>; 3]| axes.iter().any(|axis| axis.missing().is_some());
+        let health = &mut self.health;
+        bump(
+            &mut health.cycles_with_missing_readings,
+            missing(&record.gyro_rad_s) || missing(&record.magnetometer_t),
+        );
+        bump(&mut health.torquer_faults, record.driven_am2.is_none());
+        bump(&mut health.cycles_without_orbit, record.position_eci_m.is_none());
+    }
+
+    fn absorb(&mut self, message: &Message) {
+        if frame::digest(message, &mut self.digest).is_err() {
+            self.health.records_lost = self.health.records_lost.saturating_add(1);
+        }
+    }
+}
+
+/// The border at which a NaN of a faulty driver is stopped.
+fn finite(axes: [Reading<f32>; 3]) -> [Reading<f32>; 3] {
+    axes.map(|axis| match axis {
+        Reading::Fresh(value) if !value.is_finite() => Reading::Missing(MissingReason::NotFinite),
+        other => other,
+    })
+}
+
+fn record(
+    cycle: u32,
+    inputs: &Inputs,
+    thoughts: &Thoughts,
+    driven_am2: Option<[f32; 3]>,
+) -> CycleRecord {
+    CycleRecord {
+        cycle,
+        utc: inputs.now,
+        phase: inputs.phase,
+        gyro_rad_s: inputs.rate_rad_s,
+        magnetometer_t: inputs.field_t,
+        omega_bi_rad_s: thoughts.omega_bi.map(|v| v.to_array()),
+        field_body_t: thoughts.field_b.map(|v| v.to_array()),
+        position_eci_m: thoughts.orbit.map(|orbit| orbit.position.to_array()),
+        reference_field_eci_t: thoughts.reference_field.map(|v| v.to_array()),
+        control: thoughts.control,
+        commanded_am2: thoughts.command.dipole.to_array(),
+        driven_am2,
+        saturated: thoughts.command.saturated,
+    }
+}

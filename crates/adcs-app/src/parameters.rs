@@ -1,0 +1,101 @@
+//! What is decided before a flight: parameters as they are stored and uplinked, and why they may be
+//! refused.
+
+use core::fmt;
+
+use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
+use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
+use adcs_core::orbit::OrbitModel;
+use adcs_core::pipeline::{Configuration, Law};
+use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
+use adcs_core::sensing::{Triad, TriadError, TriadParameters};
+use serde::{Deserialize, Serialize};
+use sgp4_lite::Elements;
+
+/// The law of stage III and its gain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum LawParameters {
+    /// The torquers stay off.
+    Off,
+    /// Despin from gyro and magnetometer.
+    BDot(BDotGain),
+}
+
+/// Everything that a satellite team configures for its flight.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FlightParameters {
+    /// The cycle period, µs.
+    pub cycle_us: u32,
+    /// When to rest and when to act.
+    pub schedule: ScheduleParameters,
+    /// The law of stage III.
+    pub law: LawParameters,
+    /// The gyros' correction; rad/s.
+    pub gyro: TriadParameters,
+    /// The magnetometer's correction; T.
+    pub magnetometer: TriadParameters,
+    /// The torquers' limit and mounting.
+    pub torquers: TorquerParameters,
+    /// Mean elements of the orbit; despin flies without them.
+    pub elements: Option<Elements>,
+}
+
+/// Which parameters are refused, and why.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// The schedule.
+    Schedule(ScheduleError),
+    /// The law's gain.
+    Gain(GainError),
+    /// The gyros' correction.
+    Gyro(TriadError),
+    /// The magnetometer's correction.
+    Magnetometer(TriadError),
+    /// The torquers' limit or mounting.
+    Torquers(AllocationError),
+    /// The orbit's elements.
+    Orbit(sgp4_lite::Error),
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Schedule(error) => write!(f, "schedule: {error}"),
+            Self::Gain(error) => write!(f, "law: {error}"),
+            Self::Gyro(error) => write!(f, "gyro: {error}"),
+            Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
+            Self::Torquers(error) => write!(f, "torquers: {error}"),
+            Self::Orbit(error) => write!(f, "orbit: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl FlightParameters {
+    /// Accepts the parameters: what can fail fails here, and not in a cycle.
+    ///
+    /// # Errors
+    /// [`ParameterError`] says which part is refused and why; what was in force should stay so.
+    pub fn accept(&self) -> Result<(Schedule, Configuration), ParameterError> {
+        let schedule =
+            Schedule::new(&self.schedule, self.cycle_us).map_err(ParameterError::Schedule)?;
+        let law = match self.law {
+            LawParameters::Off => Law::Off,
+            LawParameters::BDot(gain) => Law::BDot(BDot::new(gain).map_err(ParameterError::Gain)?),
+        };
+        let orbit = match &self.elements {
+            Some(elements) => Some(OrbitModel::new(elements).map_err(ParameterError::Orbit)?),
+            None => None,
+        };
+        let configuration = Configuration {
+            orbit,
+            gyro: Triad::new(&self.gyro).map_err(ParameterError::Gyro)?,
+            magnetometer: Triad::new(&self.magnetometer).map_err(ParameterError::Magnetometer)?,
+            law,
+            allocation: Allocation::new(&self.torquers).map_err(ParameterError::Torquers)?,
+        };
+        Ok((schedule, configuration))
+    }
+}

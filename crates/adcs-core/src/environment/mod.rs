@@ -1,0 +1,5 @@
+//! What surrounds the satellite: the Earth's turning, the Sun, the field.
+
+pub mod earth;
+pub mod field;
+pub mod sun;

@@ -1,0 +1,260 @@
+//! The cycle as a sentence: what the satellite thinks, in the order in which it thinks it.
+//!
+//! Time, sensors in; dipole for the torquers out; and everything in between in one value, which is
+//! telemetry, history and golden trace at once. Nothing here talks to a bus or asks a clock.
+
+use serde::{Deserialize, Serialize};
+
+use crate::control::allocation::{Allocation, Command};
+use crate::control::b_dot::BDot;
+use crate::environment::field::FieldModel;
+use crate::frames::{Body, Eci, GyroAxes, MagnetometerAxes, Vector};
+use crate::orbit::{OrbitModel, OrbitState};
+use crate::reading::{MissingReason, Reading};
+use crate::schedule::Phase;
+use crate::sensing::Triad;
+use crate::time::Utc;
+
+/// The law of stage III.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// The torquers stay off.
+    Off,
+    /// Despin from gyro and magnetometer.
+    BDot(BDot),
+}
+
+/// Everything that was decided before the cycle: accepted configuration, never changed by it.
+#[derive(Debug, Clone)]
+pub struct Configuration {
+    /// Orbit model; `None` while no elements have been given. Despin does not need it.
+    pub orbit: Option<OrbitModel>,
+    /// From the gyros' axes to Body.
+    pub gyro: Triad<GyroAxes>,
+    /// From the magnetometer's axes to Body.
+    pub magnetometer: Triad<MagnetometerAxes>,
+    /// The law of stage III.
+    pub law: Law,
+    /// From the wanted dipole to the torquers.
+    pub allocation: Allocation,
+}
+
+/// What one cycle leaves for the next. `Default` is power-on.
+#[derive(Debug, Clone, Default)]
+pub struct State {
+    field_model: Option<FieldModel<f32>>,
+    held: Decision,
+}
+
+/// What the world says at the start of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs {
+    /// The satellite's clock.
+    pub now: Utc,
+    /// What the cycle is for.
+    pub phase: Phase,
+    /// Rate along the gyros' axes, rad/s.
+    pub rate_rad_s: [Reading<f32>; 3],
+    /// Field along the magnetometer's axes, T.
+    pub field_t: [Reading<f32>; 3],
+}
+
+/// What stage III did, and if nothing, why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ControlStatus {
+    /// No law is selected.
+    Off,
+    /// The schedule lets the field settle.
+    Resting,
+    /// The torquers carry the command of this round.
+    Acting,
+    /// The rate was missing when it was needed; off until the next round.
+    NoRate(MissingReason),
+    /// The field was missing when it was needed; off until the next round.
+    NoField(MissingReason),
+    /// The law gave no finite dipole; off until the next round.
+    NoDipole,
+}
+
+/// What one cycle thought.
+#[derive(Debug, Clone, Copy)]
+pub struct Thoughts {
+    /// Position and velocity; `None` when there is no orbit model or it fails.
+    pub orbit: Option<OrbitState>,
+    /// The model's field at the satellite, Eci, T.
+    pub reference_field: Option<Vector<Eci>>,
+    /// Rate of Body relative to Eci, Body, rad/s.
+    pub omega_bi: Reading<Vector<Body>>,
+    /// Field, Body, T; missing unless the torquers had been at rest long enough.
+    pub field_b: Reading<Vector<Body>>,
+    /// What stage III did.
+    pub control: ControlStatus,
+    /// What the torquers are asked for.
+    pub command: Command,
+}
+
+/// One cycle.
+pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) -> Thoughts {
+    // Stage I: where the satellite is, and which field it should see there.
+    let orbit = configuration.orbit.as_ref().and_then(|model| model.state(inputs.now).ok());
+    let reference_field = orbit.and_then(|orbit| state.reference_field(inputs.now, &orbit));
+
+    // What it does see, in Body.
+    let omega_bi = configuration.gyro.to_body(inputs.rate_rad_s);
+    let field_b = match inputs.phase {
+        Phase::Measuring => configuration.magnetometer.to_body(inputs.field_t),
+        Phase::Settling | Phase::Acting => Reading::Missing(MissingReason::TorquersOn),
+    };
+
+    // Stage III: what to do about it. A command is decided once a round and held through the action.
+    let decision = match inputs.phase {
+        Phase::Settling => Decision::resting(),
+        Phase::Measuring => decide(configuration, omega_bi, field_b),
+        Phase::Acting => state.held,
+    };
+    state.held = decision;
+    let Decision { control, command } = decision;
+    Thoughts { orbit, reference_field, omega_bi, field_b, control, command }
+}
+
+/// Stage III of one round: the law's dipole, brought within what the torquers can do. Whatever is
+/// missing switches them off for the round.
+fn decide(
+    configuration: &Configuration,
+    omega_bi: Reading<Vector<Body>>,
+    field_b: Reading<Vector<Body>>,
+) -> Decision {
+    let law = match configuration.law {
+        Law::Off => return Decision::off(ControlStatus::Off),
+        Law::BDot(law) => law,
+    };
+    match (omega_bi, field_b) {
+        (Reading::Missing(reason), _) => Decision::off(ControlStatus::NoRate(reason)),
+        (_, Reading::Missing(reason)) => Decision::off(ControlStatus::NoField(reason)),
+        (Reading::Fresh(omega_bi), Reading::Fresh(field_b)) => law
+            .dipole(omega_bi, field_b)
+            .map_or(Decision::off(ControlStatus::NoDipole), |wanted| Decision {
+                control: ControlStatus::Acting,
+                command: configuration.allocation.command(wanted),
+            }),
+    }
+}
+
+/// The outcome of stage III, held until the round ends.
+#[derive(Debug, Clone, Copy)]
+struct Decision {
+    control: ControlStatus,
+    command: Command,
+}
+
+impl Decision {
+    fn off(control: ControlStatus) -> Self {
+        Self { control, command: Command::off() }
+    }
+
+    fn resting() -> Self {
+        Self::off(ControlStatus::Resting)
+    }
+}
+
+impl Default for Decision {
+    fn default() -> Self {
+        Self::resting()
+    }
+}
+
+impl State {
+    /// The model's field at the satellite, with the coefficients of the hour kept from cycle to
+    /// cycle.
+    fn reference_field(&mut self, now: Utc, orbit: &OrbitState) -> Option<Vector<Eci>> {
+        if self.field_model.is_none() {
+            self.field_model = FieldModel::new(now).ok();
+        }
+        self.field_model.as_mut()?.eci_t(now, orbit.position).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::allocation::TorquerParameters;
+    use crate::control::b_dot::BDotGain;
+    use crate::sensing::TriadParameters;
+
+    const RATE_RAD_S: [Reading<f32>; 3] =
+        [Reading::Fresh(0.05), Reading::Fresh(-0.02), Reading::Fresh(0.1)];
+    const FIELD_T: [Reading<f32>; 3] =
+        [Reading::Fresh(2e-5), Reading::Fresh(-1e-5), Reading::Fresh(3e-5)];
+    const BUS: Reading<f32> = Reading::Missing(MissingReason::Bus);
+
+    fn despin(law: Law) -> Configuration {
+        let alignment_xyzw = [0.0, 0.0, 0.0, 1.0];
+        Configuration {
+            orbit: None,
+            gyro: Triad::new(&TriadParameters::default()).unwrap(),
+            magnetometer: Triad::new(&TriadParameters::default()).unwrap(),
+            law,
+            allocation: Allocation::new(&TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw })
+                .unwrap(),
+        }
+    }
+
+    fn b_dot() -> Configuration {
+        despin(Law::BDot(BDot::new(BDotGain::Plain { gain_am2_s_per_t: 1e5 }).unwrap()))
+    }
+
+    fn inputs(phase: Phase) -> Inputs {
+        let now = Utc::from_micros_since_2000(0);
+        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T }
+    }
+
+    #[test]
+    fn a_command_is_measured_once_held_while_acting_and_dropped_at_rest() {
+        let (configuration, mut state) = (b_dot(), State::default());
+        let rest = cycle(&configuration, &mut state, &inputs(Phase::Settling));
+        assert_eq!((rest.control, rest.command), (ControlStatus::Resting, Command::off()));
+        let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
+        assert_eq!(measured.control, ControlStatus::Acting);
+        // m = k (ω × B), first component: 1e5 (−0.02 · 3e-5 + 0.1 · 1e-5).
+        assert!((measured.command.dipole.xyz.x - 0.04).abs() < 1e-6);
+        // Other readings while acting change nothing.
+        let mut later = inputs(Phase::Acting);
+        later.rate_rad_s = [BUS; 3];
+        let held = cycle(&configuration, &mut state, &later);
+        assert_eq!(held.command, measured.command);
+        let next = cycle(&configuration, &mut state, &inputs(Phase::Settling));
+        assert_eq!(next.command, Command::off());
+    }
+
+    #[test]
+    fn a_missing_sensor_switches_the_round_off_and_says_which() {
+        let (configuration, mut state) = (b_dot(), State::default());
+        let mut blind = inputs(Phase::Measuring);
+        blind.field_t = [FIELD_T[0], BUS, FIELD_T[2]];
+        let measured = cycle(&configuration, &mut state, &blind);
+        assert_eq!(measured.control, ControlStatus::NoField(MissingReason::Bus));
+        assert_eq!(measured.command, Command::off());
+        let acting = cycle(&configuration, &mut state, &inputs(Phase::Acting));
+        assert_eq!(acting.command, Command::off());
+        blind.rate_rad_s = [BUS; 3];
+        let measured = cycle(&configuration, &mut state, &blind);
+        assert_eq!(measured.control, ControlStatus::NoRate(MissingReason::Bus));
+    }
+
+    #[test]
+    fn without_a_law_the_torquers_stay_off() {
+        let (configuration, mut state) = (despin(Law::Off), State::default());
+        let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
+        assert_eq!((measured.control, measured.command), (ControlStatus::Off, Command::off()));
+    }
+
+    #[test]
+    fn the_field_counts_only_when_the_torquers_have_rested() {
+        let (configuration, mut state) = (b_dot(), State::default());
+        for phase in [Phase::Settling, Phase::Acting] {
+            let thoughts = cycle(&configuration, &mut state, &inputs(phase));
+            assert_eq!(thoughts.field_b.missing(), Some(MissingReason::TorquersOn));
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! The messages and their fields. Components are plain arrays in SI units; the frame stands in the
+//! name or in the field's doc line.
+
+use adcs_core::pipeline::ControlStatus;
+use adcs_core::reading::Reading;
+use adcs_core::schedule::Phase;
+use adcs_core::time::Utc;
+use serde::{Deserialize, Serialize};
+
+/// Version of the messages below. A reader refuses any other: postcard carries no field names, so
+/// bytes of another version would decode into nonsense.
+pub const VERSION: u16 = 1;
+
+/// One message.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Message {
+    /// First of a stream: who speaks and in which version.
+    Hello(Hello),
+    /// What one cycle measured, thought and did.
+    Cycle(CycleRecord),
+    /// In simulation: what was really so at that instant.
+    Truth(TruthRecord),
+    /// Last of a stream that was not cut off.
+    End(End),
+}
+
+/// Opens a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Hello {
+    /// [`VERSION`] of the writer.
+    pub version: u16,
+    /// How many cycles will follow, when that is known.
+    pub cycles: u32,
+    /// The cycle period, µs.
+    pub cycle_us: u32,
+}
+
+/// What one cycle measured, thought and did: telemetry, history and golden trace in one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CycleRecord {
+    /// Cycles since the application started.
+    pub cycle: u32,
+    /// The satellite's clock at the start of the cycle.
+    pub utc: Utc,
+    /// What the cycle was for.
+    pub phase: Phase,
+    /// Rate along each gyro's axis as the driver gave it, rad/s.
+    pub gyro_rad_s: [Reading<f32>; 3],
+    /// Field along each magnetometer axis as the driver gave it, T, torquers' field included.
+    pub magnetometer_t: [Reading<f32>; 3],
+    /// Rate of Body relative to Eci after calibration, Body, rad/s.
+    pub omega_bi_rad_s: Reading<[f32; 3]>,
+    /// Field after calibration, Body, T; missing unless it was measured with the torquers at rest.
+    pub field_body_t: Reading<[f32; 3]>,
+    /// Where the satellite takes itself to be, Eci, m; `None` when the orbit model fails.
+    pub position_eci_m: Option<[f64; 3]>,
+    /// The model's field there, Eci, T.
+    pub reference_field_eci_t: Option<[f32; 3]>,
+    /// What stage III made of it.
+    pub control: ControlStatus,
+    /// Dipole commanded, along the torquers' axes, A·m².
+    pub commanded_am2: [f32; 3],
+    /// Dipole that the hardware made of the command, A·m²; `None` when it refused and is off.
+    pub driven_am2: Option<[f32; 3]>,
+    /// Which torquers stood at their limit.
+    pub saturated: [bool; 3],
+}
+
+/// The true state at the start of a cycle, before the cycle's command.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TruthRecord {
+    /// The cycle it belongs to.
+    pub cycle: u32,
+    /// Attitude quaternion `[q_x, q_y, q_z, q_w]`, Eci to Body.
+    pub attitude_xyzw: [f64; 4],
+    /// Rate of Body relative to Eci, Body, rad/s.
+    pub omega_bi_rad_s: [f64; 3],
+    /// Position, Eci, m.
+    pub position_eci_m: [f64; 3],
+    /// Geomagnetic field, Eci, T.
+    pub field_eci_t: [f64; 3],
+    /// Kinetic energy of turning, J.
+    pub kinetic_energy_j: f64,
+    /// Dipole that the torquers carried up to this instant, Body, A·m².
+    pub torquer_dipole_body_am2: [f64; 3],
+    /// Whether the Sun was in sight.
+    pub sunlit: bool,
+}
+
+/// Closes a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct End {
+    /// Cycles flown.
+    pub cycles: u32,
+    /// [`Digest`](crate::Digest) over every cycle and truth message of the stream.
+    pub digest: u64,
+    /// Violations of a chip's protocol that the simulated devices counted (0 on hardware).
+    pub violations: u32,
+}

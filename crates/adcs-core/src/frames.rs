@@ -186,6 +186,11 @@ impl<F, T: RealField + Copy> Direction<F, T> {
         usable.then(|| Self { unit: Vector::from_xyz(v.xyz / norm) })
     }
 
+    /// Wraps components whose length is one by construction; the caller vouches for it.
+    pub(crate) fn from_unit(unit: Vector<F, T>) -> Self {
+        Self { unit }
+    }
+
     /// The unit vector.
     pub fn vector(&self) -> Vector<F, T> {
         self.unit

@@ -269,7 +269,7 @@ const DAYS_PER_ERA: i64 = 146_097;
 /// Days from 2000-01-01 to 2000-03-01.
 const JANUARY_AND_FEBRUARY_2000: i64 = 60;
 
-fn days_from_civil(year: i32, month: u8, day: u8) -> i64 {
+pub(super) fn days_from_civil(year: i32, month: u8, day: u8) -> i64 {
     let year_from_march = i64::from(year) - i64::from(month <= 2) - 2_000;
     let era = year_from_march.div_euclid(400);
     let year_of_era = year_from_march.rem_euclid(400);

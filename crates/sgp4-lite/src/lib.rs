@@ -1,3 +1,32 @@
 //! SGP4 orbit propagation for microcontrollers: TLE in, TEME position and velocity out.
 #![no_std]
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing,
+        clippy::unreachable
+    )
+)]
+
+mod angle;
+mod decimal;
+mod drag;
+mod elements;
+mod epoch;
+mod error;
+mod gravity;
+mod mean_orbit;
+mod near_earth;
+mod periodic;
+mod propagator;
+mod tle;
+
+pub use elements::{Classification, Element, Elements, InternationalDesignator, WrongDesignator};
+pub use epoch::Epoch;
+pub use error::Error;
+pub use propagator::{MinutesSinceEpoch, Propagator, State};
+pub use tle::{Expected, TleError, TleText};

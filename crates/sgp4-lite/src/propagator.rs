@@ -1,0 +1,73 @@
+//! The propagator: everything precomputed, then a state for any time.
+
+use crate::mean_orbit::MeanOrbit;
+use crate::near_earth::NearEarth;
+use crate::{Elements, Error};
+use core::f64::consts::TAU;
+
+/// From this period on an orbit is propagated with SDP4.
+const DEEP_SPACE_PERIOD_MIN: f64 = 225.0;
+
+/// Minutes from the epoch of the elements; negative before it.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MinutesSinceEpoch(pub f64);
+
+/// Position and velocity in TEME of date (true equator, mean equinox).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct State {
+    /// Position, km.
+    pub position_km: [f64; 3],
+    /// Velocity, km/s.
+    pub velocity_km_s: [f64; 3],
+}
+
+/// The orbit of one satellite, ready to be evaluated.
+///
+/// Building it does all that can be done once; [`propagate`](Self::propagate) is a pure function of
+/// time. It holds no reference and no hidden state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Propagator {
+    theory: Theory,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Theory {
+    NearEarth(NearEarth),
+}
+
+impl Propagator {
+    /// A propagator for these elements.
+    ///
+    /// # Errors
+    /// [`Error::Element`] when an element is not finite or out of range, [`Error::DeepSpace`] when
+    /// the period is 225 minutes or more and the feature `deep-space` is off, and
+    /// [`Error::DragModel`] when the orbit makes the drag model divide by zero.
+    pub fn new(elements: &Elements) -> Result<Self, Error> {
+        let orbit = MeanOrbit::new(elements)?;
+        let period_min = TAU / orbit.mean_motion;
+        if period_min >= DEEP_SPACE_PERIOD_MIN {
+            return Err(Error::DeepSpace { period_min });
+        }
+        let near_earth = NearEarth::new(orbit, elements.bstar_per_earth_radius)?;
+        Ok(Self { theory: Theory::NearEarth(near_earth) })
+    }
+
+    /// Position and velocity (TEME) at a time.
+    ///
+    /// # Errors
+    /// [`Error::Time`] when the time is not finite; otherwise when the theory has no state at this
+    /// time, see [`Error`].
+    pub fn propagate(&self, time: MinutesSinceEpoch) -> Result<State, Error> {
+        let MinutesSinceEpoch(minutes_since_epoch) = time;
+        if !minutes_since_epoch.is_finite() {
+            return Err(Error::Time { minutes_since_epoch });
+        }
+        match &self.theory {
+            Theory::NearEarth(near_earth) => near_earth.propagate(minutes_since_epoch),
+        }
+    }
+}

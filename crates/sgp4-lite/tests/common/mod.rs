@@ -1,0 +1,71 @@
+//! The reference data as rows of named columns.
+#![allow(dead_code)] // each test file uses its part
+
+use sgp4_lite::Elements;
+
+pub const VALLADO_TLE: &str = include_str!("../data/vallado_tle.csv");
+pub const VALLADO_EXPECTED: &str = include_str!("../data/vallado_expected.csv");
+pub const LEO_TLE: &str = include_str!("../data/sample_leo_tle.csv");
+pub const LEO_EXPECTED: &str = include_str!("../data/sample_leo_expected.csv");
+pub const DEEP_TLE: &str = include_str!("../data/sample_deep_tle.csv");
+pub const DEEP_EXPECTED: &str = include_str!("../data/sample_deep_expected.csv");
+
+/// One row of a CSV file.
+pub struct Row {
+    header: Vec<&'static str>,
+    cells: Vec<&'static str>,
+}
+
+impl Row {
+    pub fn text(&self, column: &str) -> &'static str {
+        let index = self.header.iter().position(|name| *name == column);
+        self.cells[index.unwrap_or_else(|| panic!("no column {column}"))]
+    }
+
+    pub fn number(&self, column: &str) -> f64 {
+        self.text(column).parse().unwrap_or_else(|error| panic!("{column}: {error}"))
+    }
+
+    pub fn vector(&self, columns: [&str; 3]) -> [f64; 3] {
+        columns.map(|column| self.number(column))
+    }
+}
+
+/// The rows of a CSV file below its header. No cell of ours holds a comma.
+pub fn rows(csv: &'static str) -> Vec<Row> {
+    let mut lines = csv.lines();
+    let header: Vec<_> = lines.next().expect("a header").split(',').collect();
+    lines
+        .map(|line| {
+            let cells: Vec<_> = line.split(',').collect();
+            assert_eq!(cells.len(), header.len(), "{line}");
+            Row { header: header.clone(), cells }
+        })
+        .collect()
+}
+
+/// One satellite of a reference set.
+pub struct Satellite {
+    pub id: &'static str,
+    pub deep: bool,
+    pub elements: Elements,
+}
+
+/// The satellites of a `*_tle.csv` file. Wrong checksums, which three records of the verification
+/// set have, are let pass.
+pub fn satellites(csv: &'static str) -> Vec<Satellite> {
+    rows(csv)
+        .into_iter()
+        .map(|row| Satellite {
+            id: row.text("id"),
+            deep: row.text("method_n_near_d_deep") == "d",
+            elements: Elements::from_tle_lenient(row.text("line1"), row.text("line2"))
+                .unwrap_or_else(|error| panic!("{}: {error}", row.text("line1"))),
+        })
+        .collect()
+}
+
+/// Largest difference between two vectors in any component.
+pub fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}

@@ -35,6 +35,8 @@ pub enum TorquerFault {
         /// Which torquer.
         axis: u8,
     },
+    /// The line that lets all H-bridges sleep refused; all that could be reached are off.
+    Sleep,
 }
 
 impl fmt::Display for TorquerFault {
@@ -42,6 +44,7 @@ impl fmt::Display for TorquerFault {
         match self {
             Self::NotFinite => write!(f, "a torquer was commanded a dipole that is not a number"),
             Self::Pin { axis } => write!(f, "a pin of torquer {axis} refused"),
+            Self::Sleep => write!(f, "the torquers' common sleep line refused"),
         }
     }
 }

@@ -1,2 +1,4 @@
 //! Set-up, tests, emulation, budgets.
+mod igrf_table;
+
 fn main() {}

@@ -1,0 +1,111 @@
+//! The two floating-point types in which the field is evaluated.
+
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use crate::evaluate::{COLUMN, legendre_ratio, zonal_ratio};
+
+/// A floating-point type in which the field can be evaluated: `f32` or `f64`.
+///
+/// The trait is sealed. Functions come from `libm` on every machine, so a host and a
+/// microcontroller give the same bits.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Default
+    + PartialOrd
+    + core::fmt::Debug
+    + Add<Output = Self>
+    + AddAssign
+    + Div<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Sub<Output = Self>
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// 2.
+    const TWO: Self;
+    /// π/2, the largest latitude in radians.
+    const HALF_PI: Self;
+    /// π, the largest colatitude in radians.
+    const PI: Self;
+    /// (2n+1)(2n+3) for n = 0, 1, …: steps the degree of the scaled Legendre functions.
+    #[doc(hidden)]
+    const LEGENDRE_RATIO: [Self; COLUMN];
+    /// (2n+1)(2n+3)/(n+1) for n = 0, 1, …: the same for order zero.
+    #[doc(hidden)]
+    const ZONAL_RATIO: [Self; COLUMN];
+    /// 0, 1, 2, …
+    #[doc(hidden)]
+    const COUNT: [Self; COLUMN];
+
+    /// The nearest value to `value`.
+    fn from_f64(value: f64) -> Self;
+    /// This value, without loss.
+    fn to_f64(self) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+macro_rules! real {
+    ($type:ident, $sqrt:path, $sincos:path) => {
+        impl Real for $type {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const TWO: Self = 2.0;
+            const HALF_PI: Self = core::$type::consts::FRAC_PI_2;
+            const PI: Self = core::$type::consts::PI;
+            const LEGENDRE_RATIO: [Self; COLUMN] = table!($type, legendre_ratio);
+            const ZONAL_RATIO: [Self; COLUMN] = table!($type, zonal_ratio);
+            const COUNT: [Self; COLUMN] = table!($type, count);
+
+            fn from_f64(value: f64) -> Self {
+                value as $type
+            }
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            fn sin_cos(self) -> (Self, Self) {
+                $sincos(self)
+            }
+            fn is_finite(self) -> bool {
+                $type::is_finite(self)
+            }
+        }
+    };
+}
+
+macro_rules! table {
+    ($type:ident, $term:path) => {{
+        let mut table = [0.0; COLUMN];
+        let mut n = 0;
+        while n < COLUMN {
+            table[n] = $term(n) as $type;
+            n += 1;
+        }
+        table
+    }};
+}
+
+const fn count(n: usize) -> f64 {
+    n as f64
+}
+
+real!(f32, libm::sqrtf, libm::sincosf);
+real!(f64, libm::sqrt, libm::sincos);

@@ -2,4 +2,6 @@
 
 pub mod earth;
 pub mod field;
+pub mod geodetic;
+pub mod solar_time;
 pub mod sun;

@@ -1,5 +1,7 @@
 //! Where the satellite is: SGP4 in this crate's units and time.
 
+pub mod frame;
+
 use sgp4_lite::{Elements, MinutesSinceEpoch, Propagator};
 
 use crate::frames::{Eci, Vector};

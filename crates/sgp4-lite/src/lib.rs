@@ -14,6 +14,8 @@
 
 mod angle;
 mod decimal;
+#[cfg(feature = "deep-space")]
+mod deep_space;
 mod drag;
 mod elements;
 mod epoch;
@@ -25,6 +27,8 @@ mod periodic;
 mod propagator;
 mod tle;
 
+#[cfg(feature = "deep-space")]
+pub use deep_space::ResonanceState;
 pub use elements::{Classification, Element, Elements, InternationalDesignator, WrongDesignator};
 pub use epoch::Epoch;
 pub use error::Error;

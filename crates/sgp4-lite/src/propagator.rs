@@ -1,5 +1,7 @@
 //! The propagator: everything precomputed, then a state for any time.
 
+#[cfg(feature = "deep-space")]
+use crate::deep_space::{DeepSpace, ResonanceState};
 use crate::mean_orbit::MeanOrbit;
 use crate::near_earth::NearEarth;
 use crate::{Elements, Error};
@@ -37,6 +39,8 @@ pub struct Propagator {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Theory {
     NearEarth(NearEarth),
+    #[cfg(feature = "deep-space")]
+    DeepSpace(DeepSpace),
 }
 
 impl Propagator {
@@ -49,11 +53,17 @@ impl Propagator {
     pub fn new(elements: &Elements) -> Result<Self, Error> {
         let orbit = MeanOrbit::new(elements)?;
         let period_min = TAU / orbit.mean_motion;
-        if period_min >= DEEP_SPACE_PERIOD_MIN {
-            return Err(Error::DeepSpace { period_min });
-        }
-        let near_earth = NearEarth::new(orbit, elements.bstar_per_earth_radius)?;
-        Ok(Self { theory: Theory::NearEarth(near_earth) })
+        let bstar = elements.bstar_per_earth_radius;
+        let theory = if period_min < DEEP_SPACE_PERIOD_MIN {
+            Theory::NearEarth(NearEarth::new(orbit, bstar)?)
+        } else {
+            #[cfg(feature = "deep-space")]
+            let deep_space = Theory::DeepSpace(DeepSpace::new(orbit, bstar, elements.epoch)?);
+            #[cfg(not(feature = "deep-space"))]
+            let deep_space = return Err(Error::DeepSpace { period_min });
+            deep_space
+        };
+        Ok(Self { theory })
     }
 
     /// Position and velocity (TEME) at a time.
@@ -62,12 +72,43 @@ impl Propagator {
     /// [`Error::Time`] when the time is not finite; otherwise when the theory has no state at this
     /// time, see [`Error`].
     pub fn propagate(&self, time: MinutesSinceEpoch) -> Result<State, Error> {
-        let MinutesSinceEpoch(minutes_since_epoch) = time;
-        if !minutes_since_epoch.is_finite() {
-            return Err(Error::Time { minutes_since_epoch });
-        }
+        let t = finite(time)?;
         match &self.theory {
-            Theory::NearEarth(near_earth) => near_earth.propagate(minutes_since_epoch),
+            Theory::NearEarth(near_earth) => near_earth.propagate(t),
+            #[cfg(feature = "deep-space")]
+            Theory::DeepSpace(deep_space) => {
+                deep_space.propagate(t, &mut ResonanceState::default())
+            }
         }
+    }
+
+    /// [`propagate`](Self::propagate), faster for resonant deep-space orbits when times follow each
+    /// other.
+    ///
+    /// `resume` holds where the integration stands, from one call to the next; the result does not
+    /// depend on it. Give each propagator its own.
+    ///
+    /// # Errors
+    /// Those of [`propagate`](Self::propagate).
+    #[cfg(feature = "deep-space")]
+    pub fn propagate_resumed(
+        &self,
+        time: MinutesSinceEpoch,
+        resume: &mut ResonanceState,
+    ) -> Result<State, Error> {
+        let t = finite(time)?;
+        match &self.theory {
+            Theory::NearEarth(near_earth) => near_earth.propagate(t),
+            Theory::DeepSpace(deep_space) => deep_space.propagate(t, resume),
+        }
+    }
+}
+
+fn finite(time: MinutesSinceEpoch) -> Result<f64, Error> {
+    let MinutesSinceEpoch(minutes_since_epoch) = time;
+    if minutes_since_epoch.is_finite() {
+        Ok(minutes_since_epoch)
+    } else {
+        Err(Error::Time { minutes_since_epoch })
     }
 }

@@ -109,6 +109,26 @@ fn near_earth_states_of_the_synthetic_set_agree() {
     assert_eq!((deviation.states, deviation.errors), (238, 2));
 }
 
+#[cfg(feature = "deep-space")]
+#[test]
+fn deep_space_states_of_the_verification_set_agree() {
+    let deviation = compare(&VALLADO, true, DEEP_SPACE);
+    assert_eq!((deviation.states, deviation.errors), (508, 4));
+}
+
+#[cfg(feature = "deep-space")]
+#[test]
+fn deep_space_states_of_the_verification_set_agree_with_the_printed_ones() {
+    compare(&VALLADO_PRINTED, true, PRINTED);
+}
+
+#[cfg(feature = "deep-space")]
+#[test]
+fn deep_space_states_of_the_synthetic_set_agree() {
+    let deviation = compare(&DEEP, true, DEEP_SPACE);
+    assert_eq!((deviation.states, deviation.errors), (180, 0));
+}
+
 #[cfg(not(feature = "deep-space"))]
 #[test]
 fn deep_space_orbits_are_a_named_error_without_the_feature() {

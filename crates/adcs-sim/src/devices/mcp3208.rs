@@ -46,7 +46,8 @@ impl<'b, P: Plant> SimMcp3208<'b, P> {
         Ok([a | floating_a, b | floating_b, c | floating_c])
     }
 
-    fn transfer(&self, read: &mut [u8], write: &[u8]) -> Result<(), DeviceError> {
+    /// One transfer, which must be one frame.
+    fn exchange(&self, read: &mut [u8], write: &[u8]) -> Result<(), DeviceError> {
         let (written, wanted) = (write.len(), read.len());
         let (Ok(command), Ok(reply)) = (<[u8; 3]>::try_from(write), <&mut [u8; 3]>::try_from(read))
         else {
@@ -64,7 +65,7 @@ impl<P> ErrorType for SimMcp3208<'_, P> {
 impl<P: Plant> SpiDevice for SimMcp3208<'_, P> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), DeviceError> {
         match operations {
-            [Operation::Transfer(read, write)] => self.transfer(read, write),
+            [Operation::Transfer(read, write)] => self.exchange(read, write),
             [Operation::TransferInPlace(bytes)] => {
                 let (written, read) = (bytes.len(), bytes.len());
                 let Ok(bytes) = <&mut [u8; 3]>::try_from(&mut **bytes) else {

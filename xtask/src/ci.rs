@@ -41,7 +41,8 @@ pub fn run(wish: Wish) -> Result<()> {
 
     step("nalgebra without std");
     let tree = ["tree", "--workspace", "--edges", "all", "--prefix", "none", "--format", "{p} {f}"];
-    let culprits = host_dependent_kernels(&cargo(tree).output()?);
+    let tree = cargo(tree).output()?;
+    let culprits = host_dependent_kernels(&tree);
     if !culprits.is_empty() {
         bail!("host and target would compute differently with: {}", culprits.join(", "));
     }

@@ -56,12 +56,6 @@ impl Program {
         self
     }
 
-    /// Sets several environment variables.
-    pub fn envs(mut self, variables: &[(String, String)]) -> Self {
-        self.0.envs(variables.iter().map(|(name, value)| (name, value)));
-        self
-    }
-
     /// Adds arguments.
     pub fn args<A: AsRef<OsStr>>(mut self, arguments: impl IntoIterator<Item = A>) -> Self {
         self.0.args(arguments);

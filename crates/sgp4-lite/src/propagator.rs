@@ -36,11 +36,26 @@ pub struct Propagator {
     theory: Theory,
 }
 
+/// The constants of one theory or the other. There is no heap to put the larger one on.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "deep-space", expect(clippy::large_enum_variant))]
 enum Theory {
     NearEarth(NearEarth),
     #[cfg(feature = "deep-space")]
     DeepSpace(DeepSpace),
+}
+
+impl Theory {
+    #[cfg(feature = "deep-space")]
+    fn deep_space(orbit: MeanOrbit, elements: &Elements) -> Result<Self, Error> {
+        let bstar = elements.bstar_per_earth_radius;
+        DeepSpace::new(orbit, bstar, elements.epoch).map(Self::DeepSpace)
+    }
+
+    #[cfg(not(feature = "deep-space"))]
+    fn deep_space(orbit: MeanOrbit, _: &Elements) -> Result<Self, Error> {
+        Err(Error::DeepSpace { period_min: TAU / orbit.mean_motion })
+    }
 }
 
 impl Propagator {
@@ -53,15 +68,10 @@ impl Propagator {
     pub fn new(elements: &Elements) -> Result<Self, Error> {
         let orbit = MeanOrbit::new(elements)?;
         let period_min = TAU / orbit.mean_motion;
-        let bstar = elements.bstar_per_earth_radius;
         let theory = if period_min < DEEP_SPACE_PERIOD_MIN {
-            Theory::NearEarth(NearEarth::new(orbit, bstar)?)
+            Theory::NearEarth(NearEarth::new(orbit, elements.bstar_per_earth_radius)?)
         } else {
-            #[cfg(feature = "deep-space")]
-            let deep_space = Theory::DeepSpace(DeepSpace::new(orbit, bstar, elements.epoch)?);
-            #[cfg(not(feature = "deep-space"))]
-            let deep_space = return Err(Error::DeepSpace { period_min });
-            deep_space
+            Theory::deep_space(orbit, elements)?
         };
         Ok(Self { theory })
     }

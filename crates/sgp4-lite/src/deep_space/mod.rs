@@ -22,8 +22,11 @@ use geopotential::{HalfDay, Synchronous};
 use lunisolar::{Lunisolar, PeriodicChanges};
 use resonance::{PerigeeMotion, Pull, Resonance, Start};
 
+/// Julian date of 1900 January 0.5, from which the places of Sun and Moon are counted in days.
+const JULIAN_DATE_1900: f64 = 2_415_020.0;
+
 /// Rotation of the Earth with respect to the equinox, rad/min.
-const EARTH_RATE_RAD_PER_MIN: f64 = 4.375_269_088_011_299_66e-3;
+const EARTH_RATE_RAD_PER_MIN: f64 = 4.375_269_088_011_3e-3;
 
 /// Mean motions (rad/min) of orbits in resonance once a day …
 const SYNCHRONOUS_ABOVE: f64 = 0.003_490_658_5;
@@ -62,14 +65,18 @@ impl DeepSpace {
     pub fn new(orbit: MeanOrbit, bstar: f64, epoch: Epoch) -> Result<Self, Error> {
         let rates = orbit.secular_rates();
         let (drag, _) = drag_terms(&orbit, &rates, bstar)?;
+        // In one double, 40 µs coarse, on purpose: the reference does so, and states then agree to
+        // 1e-7 km instead of 4e-6 km. The rounding moves Sun, Moon and
+        // Greenwich only, not the satellite along its orbit.
         let (midnight, fraction) = epoch.julian_date();
-        let lunisolar = Lunisolar::new(&orbit, (midnight - 2_415_020.0) + fraction);
+        let julian_date = midnight + fraction;
+        let lunisolar = Lunisolar::new(&orbit, julian_date - JULIAN_DATE_1900);
         let mut deep_space = Self {
             orbit,
             rates,
             drag,
             lunisolar,
-            greenwich_at_epoch: greenwich_sidereal_time(epoch),
+            greenwich_at_epoch: greenwich_sidereal_time(julian_date),
             resonance: None,
         };
         deep_space.resonance = deep_space.resonance();
@@ -243,9 +250,8 @@ fn on_the_turn_of(other: f64, angle: f64) -> f64 {
 /// Greenwich mean sidereal time (1982), radians, with UT1 taken to be UTC.
 ///
 /// Source: Vallado et al., AIAA 2006-6753, `gstime`; Aoki et al., Astron. Astrophys. 105 (1982).
-fn greenwich_sidereal_time(epoch: Epoch) -> f64 {
-    let (midnight, fraction) = epoch.julian_date();
-    let centuries = ((midnight - 2_451_545.0) + fraction) / 36_525.0;
+fn greenwich_sidereal_time(julian_date: f64) -> f64 {
+    let centuries = (julian_date - 2_451_545.0) / 36_525.0;
     let seconds = 67_310.548_41
         + centuries
             * (876_600.0 * 3600.0

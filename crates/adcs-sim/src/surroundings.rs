@@ -1,5 +1,6 @@
 //! Where the satellite really is and what surrounds it there.
 
+use adcs_core::environment::eclipse::{self, EarthShape};
 use adcs_core::environment::field::FieldModel;
 use adcs_core::environment::sun::ApparentSun;
 use adcs_core::frames::{Eci, Vector};
@@ -68,7 +69,8 @@ impl Nature {
         position: Vector<Eci, f64>,
     ) -> Result<Sunlight, FlightError> {
         let tt = now.to_tt(&LeapSeconds::BUILT_IN).map_err(FlightError::Time)?;
-        let to_sun = ApparentSun::at(tt).position_eci_m() - position;
-        Ok(Sunlight { to_sun, lit: 1.0 })
+        let sun = ApparentSun::at(tt).position_eci_m();
+        let lit = eclipse::lit_fraction(position, sun, EarthShape::Ellipsoid);
+        Ok(Sunlight { to_sun: sun - position, lit })
     }
 }

@@ -6,6 +6,8 @@
 #[cfg(all(target_os = "none", feature = "emulated"))]
 mod commands;
 #[cfg(all(target_os = "none", feature = "emulated"))]
+mod flight;
+#[cfg(all(target_os = "none", feature = "emulated"))]
 mod host;
 
 #[cfg(all(target_os = "none", feature = "emulated"))]

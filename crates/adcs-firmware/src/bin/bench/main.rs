@@ -1,0 +1,28 @@
+//! Counts the instructions of stages of the flight software on the emulated core.
+//!
+//! Prints `instructions STAGE COUNT` and `bytes stack PEAK`; `cargo xtask budget` reads that.
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+#[cfg(all(target_os = "none", feature = "emulated"))]
+mod counter;
+#[cfg(all(target_os = "none", feature = "emulated"))]
+mod stages;
+
+#[cfg(all(target_os = "none", feature = "emulated"))]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let mut boot = adcs_firmware::boot::boot();
+    stages::run(&counter::Counter::new(&mut boot.core.SYST));
+    let stack = adcs_firmware::memory::stack_use();
+    semihosting::eprintln!("bytes stack {}", stack.peak_bytes);
+    semihosting::process::exit(0)
+}
+
+#[cfg(all(target_os = "none", not(feature = "emulated")))]
+compile_error!("the board has nothing to count with: --features emulated");
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("Counts instructions on the emulated core: cargo xtask budget");
+}

@@ -1,0 +1,107 @@
+//! The image on the emulated STM32F405: boots, refuses nonsense, and dies properly.
+//!
+//! `cargo xtask test` builds the image and names it in `ADCS_IMAGE`, the emulator in `ADCS_QEMU`.
+//! Without an image these tests have nothing to run; on a CI machine that is a failure.
+
+use std::{
+    env,
+    process::{Command, Stdio},
+};
+
+struct Run {
+    code: Option<i32>,
+    text: String,
+}
+
+/// Runs the image with a command line; `None` when there is no image.
+fn run(words: &[&str]) -> Option<Run> {
+    let Some(image) = env::var_os("ADCS_IMAGE") else {
+        assert!(env::var_os("CI").is_none(), "no image on CI: run `cargo xtask test`");
+        eprintln!("left out, because there is no image: run `cargo xtask test`");
+        return None;
+    };
+    let emulator = env::var_os("ADCS_QEMU").unwrap_or_else(|| "qemu-system-arm".into());
+    let words: String = words.iter().map(|word| format!(",arg={word}")).collect();
+    let output = Command::new(emulator)
+        .args(["-machine", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", &format!("enable=on,target=native,arg=adcs{words}")])
+        .arg("-kernel")
+        .arg(image)
+        .stdin(Stdio::null())
+        .output()
+        .expect("the emulator starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    Some(Run { code: output.status.code(), text })
+}
+
+/// Dies in the way `word` asks for, with the torquers on, and gives what the next boot reports.
+fn epitaph(word: &str) -> Option<String> {
+    let Run { code, text } = run(&[word])?;
+    assert_eq!(code, Some(101), "{text}");
+    assert!(
+        text.contains("torquer duties [1000, 2000, 3000] -> [0, 0, 0]"),
+        "the torquers were on and must be off: {text}"
+    );
+    assert!(text.contains("death 1 since power-on"), "{text}");
+    Some(text)
+}
+
+#[test]
+fn the_image_boots_and_says_what_it_is() {
+    let Some(Run { code, text }) = run(&["version"]) else { return };
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains(concat!("adcs-firmware ", env!("CARGO_PKG_VERSION"))), "{text}");
+}
+
+#[test]
+fn a_panic_leaves_its_place_and_message_and_dead_torquers() {
+    let Some(text) = epitaph("panic") else { return };
+    assert!(text.contains("epitaph: panic at crates/adcs-firmware/src/rehearsal.rs:"), "{text}");
+    assert!(text.contains("asked to panic"), "{text}");
+}
+
+#[test]
+fn a_fault_leaves_its_address_and_dead_torquers() {
+    let Some(text) = epitaph("fault") else { return };
+    assert!(text.contains("epitaph: fault: precise data bus error"), "{text}");
+    assert!(text.contains("address 0xb0000000"), "{text}");
+}
+
+#[test]
+fn a_stack_overflow_leaves_an_epitaph_and_dead_torquers() {
+    let Some(text) = epitaph("overflow") else { return };
+    assert!(text.contains("epitaph: stack overflow"), "{text}");
+}
+
+#[test]
+fn wrong_command_lines_are_refused() {
+    for words in [&["bogus"][..], &[], &["fly"], &["fly", "one"], &["fly", "1", "2", "3"]] {
+        let Some(Run { code, text }) = run(words) else { return };
+        assert_eq!(code, Some(2), "{words:?}: {text}");
+        assert!(text.starts_with("error: "), "{words:?}: {text}");
+    }
+}
+
+#[test]
+fn a_scenario_that_is_missing_or_none_is_refused() {
+    let folder = env::temp_dir().join(format!("adcs-emulated-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).display().to_string();
+    std::fs::write(path("empty"), []).unwrap();
+    std::fs::write(path("short"), [1]).unwrap();
+    std::fs::write(path("other"), [99, 1, 2, 3]).unwrap();
+    std::fs::write(path("long"), vec![1; 10_000]).unwrap();
+    let records = path("records");
+    for (name, reason) in [
+        ("missing", "cannot be opened"),
+        ("empty", "not a scenario"),
+        ("short", "not a scenario"),
+        ("other", "version 99"),
+        ("long", "longer than"),
+    ] {
+        let Some(Run { code, text }) = run(&["fly", &path(name), &records]) else { break };
+        assert_eq!(code, Some(1), "{name}: {text}");
+        assert!(text.contains("error: ") && text.contains(reason), "{name}: {text}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -12,7 +12,7 @@ mod qemu;
 mod test;
 mod toolchain;
 
-use std::path::PathBuf;
+use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -75,8 +75,17 @@ enum Command {
     },
 }
 
-fn main() -> Result<()> {
-    let Arguments { toolchain, command } = Arguments::parse();
+fn main() -> ExitCode {
+    match run(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            process::say(&format!("error: {error:#}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(Arguments { toolchain, command }: Arguments) -> Result<()> {
     match command {
         Command::Setup => setup(toolchain),
         Command::Image { kind } => {
@@ -94,7 +103,9 @@ fn main() -> Result<()> {
 
 fn setup(wish: toolchain::Wish) -> Result<()> {
     process::say("fetching the crates that are not here yet");
-    process::cargo(["fetch", "--locked"]).run()?;
+    let host = format!("--target={}", toolchain::host()?);
+    let core = format!("--target={}", toolchain::TARGET);
+    process::cargo(["fetch", "--locked", &host, &core]).run()?;
     toolchain::find(wish)?;
     qemu::find()?;
     process::say("everything is there; all commands work offline now");

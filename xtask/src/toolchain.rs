@@ -173,6 +173,13 @@ fn debian(sysroot: Option<&Path>) -> Result<Toolchain> {
     Ok(Toolchain::Debian { linker: None })
 }
 
+/// The Rust name of this computer.
+pub fn host() -> Result<String> {
+    let version = Program::new("rustc", ["--version", "--verbose"]).output()?;
+    let host = version.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned).context("rustc does not say what it runs on")
+}
+
 fn sysroot() -> Result<PathBuf> {
     Program::new("rustc", ["--print", "sysroot"]).output().map(PathBuf::from)
 }

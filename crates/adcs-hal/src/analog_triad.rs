@@ -24,7 +24,7 @@ use adcs_core::reading::{MissingReason, Reading};
 use embedded_hal::spi::SpiDevice;
 use serde::{Deserialize, Serialize};
 
-use crate::mcp3208::{Channel, Code, Mcp3208};
+use crate::mcp3208::{Channel, Code, Mcp3208, registers};
 
 /// How the converter is wired; shared by all sensors behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,6 +41,14 @@ impl ConverterConfig {
     /// Assumed: the reference is a 3.3 V supply, and amplifiers swing to some 10 mV of their rails
     /// (16 codes are 12.9 mV).
     pub const ASSUMED: Self = Self { reference_v: 3.3, rail_margin_codes: 16 };
+
+    /// The highest code that counts as the lower rail and the lowest that counts as the upper.
+    fn rails(self) -> (Code, Code) {
+        let margin = self.rail_margin_codes.min(Code::MAX.get());
+        let low = Code::new(margin).unwrap_or(Code::MAX);
+        let high = Code::new(Code::MAX.get() - margin).unwrap_or(Code::MIN);
+        (low, high)
+    }
 }
 
 /// One analogue sensor of three axes.
@@ -129,6 +137,18 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
+/// Three inputs of the converter, none twice.
+fn distinct([x, y, z]: [u8; 3]) -> Result<[Channel; 3], ConfigError> {
+    if x == y || x == z {
+        return Err(ConfigError::ChannelTwice { channel: x });
+    }
+    if y == z {
+        return Err(ConfigError::ChannelTwice { channel: y });
+    }
+    let channel = |channel| Channel::new(channel).ok_or(ConfigError::Channel { channel });
+    Ok([channel(x)?, channel(y)?, channel(z)?])
+}
+
 /// A three-axis sensor behind the converter, with its configuration checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnalogTriad {
@@ -146,39 +166,23 @@ impl AnalogTriad {
     /// # Errors
     /// [`ConfigError`] with the value that cannot be.
     pub fn new(config: AnalogTriadConfig, converter: ConverterConfig) -> Result<Self, ConfigError> {
-        let AnalogTriadConfig { channels: [x, y, z], zero_v, sensitivity_v_per_si } = config;
-        let ConverterConfig { reference_v, rail_margin_codes } = converter;
+        let AnalogTriadConfig { channels, zero_v, sensitivity_v_per_si } = config;
+        let reference_v = converter.reference_v;
         // Written so that NaN fails.
         if !(0.25..=5.5).contains(&reference_v) {
             return Err(ConfigError::Reference { reference_v });
         }
-        let full_scale = reference_v / sensitivity_v_per_si;
-        if !(sensitivity_v_per_si > 0.0 && sensitivity_v_per_si.is_finite())
-            || !full_scale.is_finite()
-        {
+        let full_scale_si = reference_v / sensitivity_v_per_si;
+        if !(full_scale_si > 0.0 && full_scale_si.is_finite()) {
             return Err(ConfigError::Sensitivity { sensitivity_v_per_si });
         }
-        let low = Code::new(rail_margin_codes).unwrap_or(Code::MAX);
-        let high =
-            Code::new(Code::MAX.get().saturating_sub(rail_margin_codes)).unwrap_or(Code::MIN);
+        let rails @ (low, high) = converter.rails();
         let zero = Code::of_volts(f64::from(zero_v), f64::from(reference_v));
         if !(zero_v.is_finite() && low < zero && zero < high) {
             return Err(ConfigError::Zero { zero_v });
         }
-        let channel = |channel| Channel::new(channel).ok_or(ConfigError::Channel { channel });
-        if x == y || x == z {
-            return Err(ConfigError::ChannelTwice { channel: x });
-        }
-        if y == z {
-            return Err(ConfigError::ChannelTwice { channel: y });
-        }
-        Ok(Self {
-            channels: [channel(x)?, channel(y)?, channel(z)?],
-            reference_v,
-            zero_v,
-            sensitivity_v_per_si,
-            rails: (low, high),
-        })
+        let channels = distinct(channels)?;
+        Ok(Self { channels, reference_v, zero_v, sensitivity_v_per_si, rails })
     }
 
     /// Converts the three axes, x first, each once. An axis whose conversion fails is
@@ -201,7 +205,7 @@ impl AnalogTriad {
 
     /// What one step of the converter is worth, SI units.
     pub fn resolution_si(&self) -> f32 {
-        self.reference_v / f32::from(crate::mcp3208::registers::LEVELS) / self.sensitivity_v_per_si
+        self.reference_v / f32::from(registers::LEVELS) / self.sensitivity_v_per_si
     }
 
     /// The converter inputs of x, y, z.

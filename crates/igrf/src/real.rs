@@ -2,7 +2,7 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::evaluate::{COLUMN, legendre_ratio, zonal_ratio};
+use crate::evaluate::{DEGREES, legendre_ratio, zonal_ratio};
 
 /// A floating-point type in which the field can be evaluated: `f32` or `f64`.
 ///
@@ -26,21 +26,16 @@ pub trait Real:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// 2.
-    const TWO: Self;
     /// π/2, the largest latitude in radians.
     const HALF_PI: Self;
     /// π, the largest colatitude in radians.
     const PI: Self;
     /// (2n+1)(2n+3) for n = 0, 1, …: steps the degree of the scaled Legendre functions.
     #[doc(hidden)]
-    const LEGENDRE_RATIO: [Self; COLUMN];
+    const LEGENDRE_RATIO: [Self; DEGREES];
     /// (2n+1)(2n+3)/(n+1) for n = 0, 1, …: the same for order zero.
     #[doc(hidden)]
-    const ZONAL_RATIO: [Self; COLUMN];
-    /// 0, 1, 2, …
-    #[doc(hidden)]
-    const COUNT: [Self; COLUMN];
+    const ZONAL_RATIO: [Self; DEGREES];
 
     /// The nearest value to `value`.
     fn from_f64(value: f64) -> Self;
@@ -65,12 +60,13 @@ macro_rules! real {
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
-            const TWO: Self = 2.0;
             const HALF_PI: Self = core::$type::consts::FRAC_PI_2;
             const PI: Self = core::$type::consts::PI;
-            const LEGENDRE_RATIO: [Self; COLUMN] = table!($type, legendre_ratio);
-            const ZONAL_RATIO: [Self; COLUMN] = table!($type, zonal_ratio);
-            const COUNT: [Self; COLUMN] = table!($type, count);
+            // An index out of range would not compile.
+            #[allow(clippy::indexing_slicing)]
+            const LEGENDRE_RATIO: [Self; DEGREES] = table!($type, legendre_ratio);
+            #[allow(clippy::indexing_slicing)]
+            const ZONAL_RATIO: [Self; DEGREES] = table!($type, zonal_ratio);
 
             fn from_f64(value: f64) -> Self {
                 value as $type
@@ -93,18 +89,14 @@ macro_rules! real {
 
 macro_rules! table {
     ($type:ident, $term:path) => {{
-        let mut table = [0.0; COLUMN];
+        let mut table = [0.0; DEGREES];
         let mut n = 0;
-        while n < COLUMN {
+        while n < DEGREES {
             table[n] = $term(n) as $type;
             n += 1;
         }
         table
     }};
-}
-
-const fn count(n: usize) -> f64 {
-    n as f64
 }
 
 real!(f32, libm::sqrtf, libm::sincosf);

@@ -4,7 +4,10 @@
 //! timer is an instruction counter. Its ticks are turned into instructions by a loop whose
 //! instructions are known; so nothing depends on the frequency the emulator gives the core.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::{
+    hint::black_box,
+    sync::atomic::{AtomicU32, Ordering},
+};
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
@@ -44,25 +47,40 @@ impl Counter {
     }
 
     /// Instructions that `work` takes.
-    pub fn count(&self, work: impl FnOnce()) -> u64 {
-        self.instructions(ticks_of(work).saturating_sub(self.overhead))
+    pub fn count<T>(&self, work: impl FnOnce() -> T) -> u64 {
+        self.instructions(ticks_of(work))
+    }
+
+    /// This instant, for [`since`](Self::since).
+    pub fn now(&self) -> Instant {
+        Instant(ticks())
+    }
+
+    /// Instructions since `instant`.
+    pub fn since(&self, instant: Instant) -> u64 {
+        self.instructions(ticks() - instant.0)
     }
 
     fn instructions(&self, ticks: u64) -> u64 {
         let (instructions, calibration_ticks) = self.calibration;
+        let ticks = ticks.saturating_sub(self.overhead);
         (ticks * instructions + calibration_ticks / 2) / calibration_ticks
     }
 }
 
+/// A point in the counter's time.
+#[derive(Clone, Copy)]
+pub struct Instant(u64);
+
 #[inline(never)]
-fn ticks_of(work: impl FnOnce()) -> u64 {
-    let start = now();
-    work();
-    now() - start
+fn ticks_of<T>(work: impl FnOnce() -> T) -> u64 {
+    let start = ticks();
+    black_box(work());
+    ticks() - start
 }
 
 /// Ticks since the counter was started.
-fn now() -> u64 {
+fn ticks() -> u64 {
     loop {
         let wraps = WRAPS.load(Ordering::Relaxed);
         let elapsed = WRAP - 1 - SYST::get_current();

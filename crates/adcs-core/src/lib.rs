@@ -23,6 +23,7 @@
 pub mod control;
 pub mod environment;
 pub mod frames;
+mod nodes;
 pub mod orbit;
 pub mod pipeline;
 pub mod reading;

@@ -1,7 +1,10 @@
 //! What surrounds the satellite: the Earth's turning, the Sun, the field.
 
+pub mod crossings;
 pub mod earth;
+pub mod eclipse;
 pub mod field;
 pub mod geodetic;
 pub mod solar_time;
 pub mod sun;
+pub mod sun_track;

@@ -1,6 +1,7 @@
 //! Where the satellite is: SGP4 in this crate's units and time.
 
 pub mod frame;
+pub mod interpolated;
 
 use sgp4_lite::{Elements, MinutesSinceEpoch, Propagator};
 
@@ -26,6 +27,7 @@ pub struct OrbitState {
 pub struct OrbitModel {
     propagator: Propagator,
     epoch: Utc,
+    identity: u32,
 }
 
 impl OrbitModel {
@@ -38,12 +40,19 @@ impl OrbitModel {
         Ok(Self {
             propagator: Propagator::new(elements)?,
             epoch: Utc::from_day(epoch.days_since_j2000_midnight(), epoch.micros_of_day()),
+            identity: identity(elements),
         })
     }
 
     /// The instant at which the elements hold.
     pub fn epoch(&self) -> Utc {
         self.epoch
+    }
+
+    /// A number that tells these elements from others: the CRC-32 of everything that moves the
+    /// satellite.
+    pub fn identity(&self) -> u32 {
+        self.identity
     }
 
     /// Position and velocity at `now`.
@@ -60,4 +69,24 @@ impl OrbitModel {
             velocity: Vector::new(vx, vy, vz) * M_PER_KM,
         })
     }
+}
+
+fn identity(elements: &Elements) -> u32 {
+    const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, _>::new(&crc::CRC_32_ISO_HDLC);
+    let mut digest = CRC.digest();
+    digest.update(&elements.epoch.days_since_j2000_midnight().to_le_bytes());
+    digest.update(&elements.epoch.micros_of_day().to_le_bytes());
+    let numbers = [
+        elements.mean_motion_rev_per_day,
+        elements.eccentricity,
+        elements.inclination_deg,
+        elements.raan_deg,
+        elements.argument_of_perigee_deg,
+        elements.mean_anomaly_deg,
+        elements.bstar_per_earth_radius,
+    ];
+    for number in numbers {
+        digest.update(&number.to_bits().to_le_bytes());
+    }
+    digest.finalize()
 }

@@ -3,6 +3,7 @@
 //! `cargo test -p adcs-core --test reference -- --nocapture` prints the largest difference of each
 //! quantity beside its bar. Where the values come from stands in `tests/data/README.md`.
 
+mod eclipse;
 mod frames;
 mod sun;
 mod table;

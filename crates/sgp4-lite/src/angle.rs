@@ -1,7 +1,11 @@
 //! Angles carried as sine and cosine, so that small changes cost a polynomial and not a sine.
 
-/// Below this change, in radians, the polynomials of [`SinCos::turned_by`] are exact to rounding:
-/// the first neglected terms are d⁷/5040 = 4e-17 and d⁸/40320 = 9e-20.
+/// Below this change, in radians, short polynomials are exact to rounding: the first neglected
+/// terms are d⁵/120 = 7e-18 and d⁶/720 = 1e-21. Short-period terms are that small.
+const TINY_TURN_RAD: f64 = 1.0 / 1024.0;
+
+/// Below this change, two more terms do: then the first neglected ones are d⁷/5040 = 4e-17 and
+/// d⁸/40320 = 9e-20.
 const SMALL_TURN_RAD: f64 = 1.0 / 64.0;
 
 /// Sine and cosine of one angle.
@@ -33,13 +37,21 @@ impl SinCos {
 
     /// [`SinCos::of`], fast when the angle is small.
     fn of_often_small(d: f64) -> Self {
-        if d.abs() < SMALL_TURN_RAD {
-            let d2 = d * d;
-            // d − d³/3! + d⁵/5!
-            let sin = d - d * d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0));
-            // 1 − d²/2! + d⁴/4! − d⁶/6!
-            let cos = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0)));
-            Self { sin, cos }
+        let d2 = d * d;
+        if d.abs() < TINY_TURN_RAD {
+            Self {
+                // d − d³/3!
+                sin: d - d * d2 * (1.0 / 6.0),
+                // 1 − d²/2! + d⁴/4!
+                cos: 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0)),
+            }
+        } else if d.abs() < SMALL_TURN_RAD {
+            Self {
+                // d − d³/3! + d⁵/5!
+                sin: d - d * d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0)),
+                // 1 − d²/2! + d⁴/4! − d⁶/6!
+                cos: 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0))),
+            }
         } else {
             Self::of(d)
         }

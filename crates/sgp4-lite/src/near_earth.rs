@@ -65,11 +65,11 @@ impl NearEarth {
 
         let perigee = SinCos::of(perigee);
         let mean = MeanState {
-            semi_major_axis: orbit.semi_major_axis * sqrt_a_factor * sqrt_a_factor,
             sqrt_semi_major_axis: self.sqrt_semi_major_axis * sqrt_a_factor.abs(),
             eccentricity: eccentricity.max(LEAST_USED_ECCENTRICITY),
             argument_of_perigee: perigee,
-            latitude: anomaly.plus(perigee).turned_by(orbit.mean_motion * longitude),
+            latitude: anomaly.plus(perigee),
+            latitude_change: orbit.mean_motion * longitude,
             raan,
         };
         position_and_velocity(&mean, &orbit.inclination, t)

@@ -13,9 +13,9 @@ struct Tolerance {
     km_s: f64,
 }
 
-/// Near Earth: rounding of 7000 km after some hundred operations is 1e-10 km; the rest is margin
-/// for times far from the epoch, when the mean anomaly has many turns.
-const NEAR_EARTH: Tolerance = Tolerance { km: 1e-8, km_s: 1e-11 };
+/// Near Earth: the reference stops solving Kepler's equation when it moves by less than 1e-12 rad,
+/// which is 7e-9 km in a low orbit and more in a high one. The rest is rounding, 1e-10 km.
+const NEAR_EARTH: Tolerance = Tolerance { km: 2e-8, km_s: 2e-11 };
 /// Deep space: orbits are ten times as large, and 20413 is more than a million minutes from its
 /// epoch.
 #[cfg(feature = "deep-space")]

@@ -12,7 +12,7 @@ pub use resonance::ResonanceState;
 
 use crate::angle::SinCos;
 use crate::drag::{Drag, drag_terms};
-use crate::gravity::{KE, two_thirds_power};
+use crate::gravity::KE;
 use crate::mean_orbit::{Inclination, MeanOrbit, SecularRates};
 use crate::near_earth::{LEAST_MEAN_ECCENTRICITY, LEAST_USED_ECCENTRICITY};
 use crate::periodic::{MeanState, position_and_velocity};
@@ -144,9 +144,9 @@ impl DeepSpace {
             return Err(Error::MeanMotion { rad_per_min: mean_motion, minutes_since_epoch: t });
         }
 
-        // Drag: a = (kₑ/n)^⅔ (1 − C₁t)², e falls by B*C₄t, M grows by n₀ 3/2 C₁t².
+        // Drag: √a = (kₑ/n)^⅓ |1 − C₁t|, e falls by B*C₄t, M grows by n₀ 3/2 C₁t².
         let a_factor = 1.0 - drag.c1 * t;
-        let semi_major_axis = two_thirds_power(KE / mean_motion) * a_factor * a_factor;
+        let sqrt_semi_major_axis = libm::cbrt(KE / mean_motion) * a_factor.abs();
         let eccentricity = mean.eccentricity - drag.bstar_c4 * t;
         if !(LEAST_MEAN_ECCENTRICITY..1.0).contains(&eccentricity) {
             return Err(Error::MeanEccentricity { eccentricity, minutes_since_epoch: t });
@@ -162,11 +162,11 @@ impl DeepSpace {
             });
         }
         let state = MeanState {
-            semi_major_axis,
-            sqrt_semi_major_axis: libm::sqrt(semi_major_axis),
+            sqrt_semi_major_axis,
             eccentricity: perturbed.eccentricity,
             argument_of_perigee: SinCos::of(perturbed.argument_of_perigee),
             latitude: SinCos::of(perturbed.mean_anomaly + perturbed.argument_of_perigee),
+            latitude_change: 0.0,
             raan: SinCos::of(perturbed.raan),
         };
         let inclination = Inclination::new(SinCos::of(perturbed.inclination));

@@ -1,8 +1,8 @@
 //! Values at a slow rate, kept for the instants between them.
 //!
-//! What is costly is evaluated at *nodes*: instants at whole multiples of a spacing from an origin. Nodes
-//! do not depend on when they were first needed, so that a value between them has the same bits
-//! whatever was asked for before.
+//! What is costly is evaluated at *nodes*: instants at whole multiples of a spacing from an origin.
+//! Nodes do not depend on when they were first needed, so that a value between them has the same
+//! bits whatever was asked for before.
 
 use crate::time::{MICROS_PER_SECOND, Utc};
 use core::num::NonZeroU16;
@@ -44,14 +44,14 @@ impl Grid {
 /// The values at a node and at the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NodePair<N> {
-    index: i64,
+    pub(crate) index: i64,
     pub(crate) left: N,
     pub(crate) right: N,
 }
 
 impl<N: Copy> NodePair<N> {
-    /// The pair at `index`: what is `held` is used again, so that the next or the previous pair costs
-    /// one evaluation, any other two, and the same one none.
+    /// The pair at `index`: what is `held` is used again, so that the next or the previous pair
+    /// costs one evaluation, any other two, and the same one none.
     pub(crate) fn at<E>(
         index: i64,
         held: Option<Self>,
@@ -106,7 +106,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn an_instant_lies_between_its_nodes(origin in -1e15 as i64..1e15 as i64, now in -1e17 as i64..1e17 as i64) {
+        fn an_instant_lies_between_its_nodes(
+            origin in -1_000_000_000_000_000_i64..1_000_000_000_000_000,
+            now in -100_000_000_000_000_000_i64..100_000_000_000_000_000,
+        ) {
             let grid = Grid::new(Utc::from_micros_since_2000(origin), SPACING_S);
             let now = Utc::from_micros_since_2000(now);
             let (index, fraction) = grid.place(now);

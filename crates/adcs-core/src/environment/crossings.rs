@@ -36,9 +36,9 @@ const MAX_HALVINGS: usize = 60;
 /// The function is looked at in steps of fixed length. Where the sign differs at the two ends, the
 /// instant is found by bisection. Where it is the same, but the function goes towards zero at the
 /// beginning and away from zero at the end, the extremum between is looked for, so that a grazing
-/// entry and exit within one step are found as well, down to a few milliseconds' length. So per step a
-/// function with at most one extremum is understood completely; one that turns more often needs a
-/// shorter step.
+/// entry and exit within one step are found as well, down to a few milliseconds' length. So per
+/// step a function with at most one extremum is understood completely; one that turns more often
+/// needs a shorter step.
 ///
 /// The function may fail; the iterator then yields its error, and ends.
 ///
@@ -147,8 +147,9 @@ impl<E, F: FnMut(f64) -> Result<f64, E>> Crossings<F> {
         Ok(Crossing { kind, seconds: 0.5 * (from.seconds + to.seconds) })
     }
 
-    /// A point on the other side of zero between two points on the same side, when the function turns
-    /// back between them: golden-section search for the extremum, ended as soon as zero is passed.
+    /// A point on the other side of zero between two points on the same side, when the function
+    /// turns back between them: golden-section search for the extremum, ended as soon as zero is
+    /// passed.
     fn extremum_beyond_zero(&mut self, left: Look, right: Look) -> Result<Option<Look>, E> {
         /// (√5 − 1) / 2.
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -257,7 +258,8 @@ mod tests {
     }
 
     proptest! {
-        /// An eclipse of any length from 10 ms on, anywhere in the span, with any phase to the steps.
+        /// An eclipse of any length from 10 ms on, anywhere in the span, with any phase to the
+        /// steps.
         #[test]
         fn a_grazing_event_is_found_wherever_it_lies(
             middle_s in 1.0..5_799.0_f64,

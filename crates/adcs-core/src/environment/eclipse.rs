@@ -8,10 +8,10 @@
 //!                                    - - - - _ _ _ _
 //! ```
 //!
-//! Seen from the satellite, Sun and Earth are two discs; everything follows from their angular radii
-//! and the angle between their centres. Left out: the atmosphere, which makes the shadow larger by
-//! some 10 km and its edge softer (seconds in low orbit), and the darkening of the Sun towards its
-//! limb.
+//! Seen from the satellite, Sun and Earth are two discs; everything follows from their angular
+//! radii and the angle between their centres. Left out: the atmosphere, which makes the shadow
+//! larger by some 10 km and its edge softer (seconds in low orbit), and the darkening of the Sun
+//! towards its limb.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,8 +28,8 @@ pub const SUN_RADIUS_M: f64 = 695_700e3;
 pub enum EarthShape {
     /// A sphere of the equatorial radius, 6378.137 km.
     Sphere,
-    /// The ellipsoid WGS84, up to 21 km smaller: in a low polar orbit the satellite enters up to 7 s
-    /// later and leaves as much earlier.
+    /// The ellipsoid WGS84, up to 21 km smaller: in a low polar orbit the satellite enters up to
+    /// 7 s later and leaves as much earlier.
     #[default]
     Ellipsoid,
 }
@@ -99,7 +99,8 @@ impl Discs {
     ///
     /// A = a² acos(x / a) + b² acos((c − x) / b) − c y
     ///
-    /// of π a². The discs are taken as flat, which changes the fraction by less than 0.001 in low orbit.
+    /// of π a². The discs are taken as flat, which changes the fraction by less than 0.001 in low
+    /// orbit.
     ///
     /// Source: Montenbruck & Gill (2000), eqs (3.87), (3.92), (3.93).
     pub fn lit_fraction(&self) -> f64 {
@@ -132,8 +133,8 @@ pub fn lit_fraction(satellite: Vector<Eci, f64>, sun: Vector<Eci, f64>, shape: E
 }
 
 /// How far the satellite is from the border of the shadow, as an angle in its sky, rad: negative
-/// inside. It is continuous and grows steadily across the border, so that the instant of crossing can be
-/// searched ([`Crossings`](super::crossings::Crossings)).
+/// inside. It is continuous and grows steadily across the border, so that the instant of crossing
+/// can be searched ([`Crossings`](super::crossings::Crossings)).
 ///
 /// Penumbra c − (b + a), umbra c − (b − a), with the symbols of [`Discs`].
 pub fn shadow_margin_rad(
@@ -155,9 +156,9 @@ pub fn shadow_margin_rad(
 
 /// Space stretched along the Earth's axis until the ellipsoid is a sphere of the equatorial radius.
 ///
-/// Straight lines stay straight and tangents stay tangents, so that a point of the Sun is hidden after
-/// the stretch exactly when it was before. The Sun itself is stretched by 1/298 of its radius too, which
-/// is not taken into account: 0.0009 deg, 0.015 s in low orbit.
+/// Straight lines stay straight and tangents stay tangents, so that a point of the Sun is hidden
+/// after the stretch exactly when it was before. The Sun itself is stretched by 1/298 of its radius
+/// too, which is not taken into account: 0.0009 deg, 0.015 s in low orbit.
 fn as_for_sphere(position: Vector<Eci, f64>, shape: EarthShape) -> Vector3<f64> {
     let [x, y, z] = position.to_array();
     match shape {
@@ -273,7 +274,8 @@ mod tests {
             prop_assume!(satellite.norm() > 6.4e6);
             let sun = Vector::<Eci, f64>::new(1.0, sun_y, sun_z) * ASTRONOMICAL_UNIT_M;
             let weights = Vector3::new(EQUATORIAL_RADIUS_M, EQUATORIAL_RADIUS_M, POLAR_RADIUS_M);
-            let (r, d) = (satellite.xyz.component_div(&weights), sun.xyz.component_div(&weights).normalize());
+            let r = satellite.xyz.component_div(&weights);
+            let d = sun.xyz.component_div(&weights).normalize();
             let (b, c) = (r.dot(&d), r.norm_squared() - 1.0);
             let discriminant = b * b - c;
             // Rounding decides within a millimetre of the limb.

@@ -63,7 +63,8 @@ impl core::error::Error for GeodeticError {}
 impl Geodetic {
     /// The Earth-fixed position, m.
     ///
-    /// With N = a / √(1 − e² sin² φ): x, y = (N + h) cos φ (cos λ, sin λ), z = (N (1 − e²) + h) sin φ.
+    /// With N = a / √(1 − e² sin² φ):
+    /// x, y = (N + h) cos φ (cos λ, sin λ), z = (N (1 − e²) + h) sin φ.
     pub fn position(&self) -> Vector<Ecef, f64> {
         let (sin_latitude, cos_latitude) = libm::sincos(self.latitude_rad);
         let (sin_longitude, cos_longitude) = libm::sincos(self.longitude_east_rad);
@@ -171,7 +172,7 @@ mod tests {
     #[test]
     fn the_iteration_has_converged_at_medium_height() {
         // Evaluated in 50-digit arithmetic.
-        const EXACT_LATITUDE_RAD: f64 = 61.250_838_475_977_533_f64 / 180.0 * PI;
+        const EXACT_LATITUDE_RAD: f64 = 61.250_838_475_977_53_f64 / 180.0 * PI;
         let far =
             Vector::new(2.480_819_389_648_710_5e6, -1.145_643_492_209_283_8e7, 2.132_952_355_3e7);
         let found = Geodetic::from_position(far).unwrap();

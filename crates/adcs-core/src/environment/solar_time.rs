@@ -111,8 +111,8 @@ mod tests {
 
     #[test]
     fn sprout_crosses_the_equator_southwards_at_noon() {
-        /// The published figures have two decimals; the mean elements they are made from differ from
-        /// the osculating ones by up to 0.02 deg of the node.
+        /// The published figures have two decimals; the mean elements they are made from differ
+        /// from the osculating ones by up to 0.02 deg of the node.
         const TOLERANCE_H: f64 = 0.0065;
         let ltdn_h = |line1: &str, line2: &str| {
             let model = OrbitModel::new(&Elements::from_tle(line1, line2).unwrap()).unwrap();

@@ -24,11 +24,11 @@ pub enum TrueOfDate {}
 /// | ε | `true_obliquity_rad` | angle of the ecliptic to the true equator |
 /// | Δψ | `nutation_in_longitude_rad` | true minus mean equinox, along the ecliptic |
 ///
-/// Against JPL DE421 over 2000–2050: longitude within 0.0022 deg, [`direction_eci`](Self::direction_eci)
-/// within 0.0022 deg, distance within 3.5e-5 au.
+/// Against JPL DE421 over 2000–2050: longitude within 0.0022 deg,
+/// [`direction_eci`](Self::direction_eci) within 0.0022 deg, distance within 3.5e-5 au.
 ///
-/// Costs about 34 sines in software f64, some 100,000 instructions on a Cortex-M4F: to be called once in
-/// minutes, not in every cycle. The Sun moves by 1 deg a day, so that is enough
+/// Costs 32 sines in software f64, 113,000 instructions on a Cortex-M4F: to be called
+/// once in minutes, not in every cycle. The Sun moves by 1 deg a day, so that is enough
 /// ([`SunTrack`](super::sun_track::SunTrack)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ApparentSun {
@@ -126,9 +126,11 @@ impl ApparentSun {
     ///
     /// With T the Julian years from 1974-12-31 0h:
     ///
-    /// λ = 279.0358° + 360.00769° T + (1.9159 − 0.00005 T)° sin(356.531° + 359.991° T) + Σ aᵢ sin(pᵢ + rᵢ T)
+    /// λ = 279.0358° + 360.00769° T + (1.9159 − 0.00005 T)° sin(356.531° + 359.991° T) +
+    /// Σ aᵢ sin(pᵢ + rᵢ T)
     ///
-    /// log₁₀ R = (−0.007261 + 0.0000002 T) cos(356.53° + 359.991° T) + 0.000030 + Σ aᵢ cos(pᵢ + rᵢ T)
+    /// log₁₀ R = (−0.007261 + 0.0000002 T) cos(356.53° + 359.991° T) + 0.000030 +
+    /// Σ aᵢ cos(pᵢ + rᵢ T)
     ///
     /// Source: the short formula of the Hydrographic Department (today Japan Coast Guard), appendix
     /// of its almanac for astronomical surveying (天測暦), 1978–1980, argument ET; reprinted by

@@ -10,21 +10,22 @@ use crate::time::{LeapSeconds, TimeScaleError, Utc};
 /// The spacing of the nodes, s.
 pub const SPACING_S: NonZeroU16 = NonZeroU16::new(3_600).unwrap();
 
-/// The Sun's position by the formula of [`ApparentSun`] at every full hour UTC, on a straight line between.
+/// The Sun's position by the formula of [`ApparentSun`] at every full hour UTC, on a straight line
+/// between.
 ///
 /// A straight line departs from an arc by at most h²/8 of the acceleration: with h = 3600 s and the
-/// Sun's fastest motion of 2.06e-7 rad/s that is 6.9e-8 rad or 4e-6 deg, a thousandth of the formula's own
-/// error. A call evaluates the formula twice after a jump in time, once in a new hour, and otherwise
-/// not at all; the result does not depend on what was asked for before.
+/// Sun's fastest motion of 2.06e-7 rad/s that is 6.9e-8 rad or 4e-6 deg, a thousandth of the
+/// formula's own error. A call evaluates the formula twice after a jump in time, once in a new
+/// hour, and otherwise not at all; the result does not depend on what was asked for before.
 #[derive(Debug, Clone, Copy)]
 pub struct SunTrack {
     leap_seconds: LeapSeconds,
     grid: Grid,
 }
 
-/// The hours in use: what a [`SunTrack`] carries from one call to the next. `Default` has none. To be set
-/// back to that when the table of leap seconds is exchanged (kept, it would be 1e-5 deg old for an
-/// hour).
+/// The hours in use: what a [`SunTrack`] carries from one call to the next. `Default` has none. To
+/// be set back to that when the table of leap seconds is exchanged (kept, it would be 1e-5 deg old
+/// for an hour).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SunNodes {
     held: Option<NodePair<Vector<Eci, f64>>>,

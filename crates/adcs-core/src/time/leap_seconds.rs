@@ -32,9 +32,9 @@ const fn midnight(days_since_1972: u16) -> Utc {
 ///
 /// Past leap seconds are facts: a table that contradicts the built-in one is refused, so an uplink
 /// can only add what has been announced since the image was built. A table that has expired is
-/// still used, since after its last entry no better value is known; [`is_current`](Self::is_current)
-/// says so to whoever watches over the satellite's data. A missed leap second moves the Sun by
-/// 1.1e-5 deg, and moves nothing else on board.
+/// still used, since after its last entry no better value is known;
+/// [`is_current`](Self::is_current) says so to whoever watches over the satellite's data. A missed
+/// leap second moves the Sun by 1.1e-5 deg, and moves nothing else on board.
 ///
 /// As sent by uplink ([`encode`](Self::encode), [`decode`](Self::decode)), in little-endian 16-bit
 /// words: format (1), number of entries, expiry (days since 1972-01-01),
@@ -190,7 +190,8 @@ impl LeapSeconds {
         midnight(self.expires_days_since_1972)
     }
 
-    /// True while the table is known to be complete: a newer one should be sent up before that ends.
+    /// True while the table is known to be complete: a newer one should be sent up before that
+    /// ends.
     pub fn is_current(&self, utc: Utc) -> bool {
         utc < self.expires()
     }

@@ -2,8 +2,8 @@
 //!
 //! The clock of a flight is [`Utc`], an integer, so that adding cycle after cycle never drifts and
 //! is the same on every machine. What needs a real number gets a [`JulianDate`], whose day and
-//! fraction are kept apart: one f64 would round to 40 µs. The uniform scales [`Tai`], [`Tt`] and [`Gps`]
-//! are reached through the table of [`LeapSeconds`].
+//! fraction are kept apart: one f64 would round to 40 µs. The uniform scales [`Tai`], [`Tt`] and
+//! [`Gps`] are reached through the table of [`LeapSeconds`].
 
 mod calendar;
 mod julian;

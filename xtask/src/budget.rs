@@ -83,10 +83,12 @@ fn measure(wish: Wish) -> Result<Vec<Figure>> {
         Err(error) => say(&format!("left out: stack and instructions, because: {error:#}")),
         Ok(_) => {
             let bench = image::build(&toolchain, Kind::Bench)?;
+            say("counting instructions on the emulated core");
             let lines = qemu::run_counting(&bench, &[], BENCH_TIME)?;
             figures.extend(lines.iter().filter_map(|line| parse(line)));
         }
     }
+    figures.sort_by_key(|figure| figure.unit);
     Ok(figures)
 }
 

@@ -12,10 +12,7 @@ use std::{
 
 use anyhow::{Context as _, Result, bail};
 
-use crate::{
-    packages,
-    process::{say, which},
-};
+use crate::{packages, process::which};
 
 const PROGRAM: &str = "qemu-system-arm";
 /// The board whose STM32F405 has flash at 0x0800_0000 and RAM at 0x2000_0000.
@@ -71,10 +68,7 @@ pub fn run_counting(image: &Path, words: &[&str], limit: Duration) -> Result<Vec
     let end = Instant::now() + limit;
     loop {
         match receiver.recv_timeout(end.saturating_duration_since(Instant::now())) {
-            Ok(line) => {
-                say(&format!("  {line}"));
-                lines.push(line);
-            }
+            Ok(line) => lines.push(line),
             Err(mpsc::RecvTimeoutError::Disconnected) => break,
             Err(mpsc::RecvTimeoutError::Timeout) => {
                 child.kill()?;

@@ -1,2 +1,37 @@
 //! The command `adcs`.
-fn main() {}
+
+mod commands;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Fly satellite attitude-control missions and look at the results.
+///
+/// A mission is a text file that says everything about a flight: the satellite, its sensors and their
+/// errors, its orbit, the control law. Start with:
+///
+///     adcs fly missions/sprout/despin-calibrated.toml
+///
+/// and open out/despin-calibrated/report.html.
+#[derive(Debug, Parser)]
+#[command(version, verbatim_doc_comment, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Mission(commands::mission::Args),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Mission(args) => commands::mission::run(&args),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}

@@ -1,0 +1,104 @@
+//! What is measured: the field at 256 positions of a low orbit, all at one date.
+
+use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
+use igrf::{Coefficients, DecimalYear, GeodeticPosition, Real};
+use std::hint::black_box;
+use world_magnetic_model::GeomagneticField;
+use world_magnetic_model::time::Date;
+use world_magnetic_model::uom::si::angle::radian;
+use world_magnetic_model::uom::si::f32::{Angle, Length};
+use world_magnetic_model::uom::si::length::kilometer;
+use world_magnetic_model::uom::si::magnetic_flux_density::nanotesla;
+
+const POSITIONS: usize = 256;
+/// 1 July 2026, within all models.
+pub const YEAR: DecimalYear = DecimalYear(2026.0 + 181.0 / 365.0);
+
+/// Two revolutions at 630 km and 98° inclination, over the ellipsoid.
+pub fn geodetic() -> Vec<GeodeticPosition<f64>> {
+    (0..POSITIONS)
+        .map(|step| {
+            let along = step as f64 / POSITIONS as f64 * 4.0 * std::f64::consts::PI;
+            GeodeticPosition {
+                latitude_rad: (along.sin() * 98_f64.to_radians().sin()).asin(),
+                longitude_rad: (3.0 + step as f64 * 0.7) % (2.0 * std::f64::consts::PI)
+                    - std::f64::consts::PI,
+                height_km: 630.0 + 10.0 * along.cos(),
+            }
+        })
+        .collect()
+}
+
+/// The same orbit, roughly, as Earth-fixed positions in km.
+pub fn earth_fixed<T: Real>() -> Vec<[T; 3]> {
+    let cartesian = |position: GeodeticPosition<f64>| {
+        let r_km = 6_371.2 + position.height_km;
+        let (sin_lat, cos_lat) = position.latitude_rad.sin_cos();
+        let (sin_lon, cos_lon) = position.longitude_rad.sin_cos();
+        [r_km * cos_lat * cos_lon, r_km * cos_lat * sin_lon, r_km * sin_lat].map(T::from_f64)
+    };
+    geodetic().into_iter().map(cartesian).collect()
+}
+
+pub fn group(criterion: &mut Criterion) -> BenchmarkGroup<'_, WallTime> {
+    let mut group = criterion.benchmark_group("field at 256 positions");
+    group.throughput(Throughput::Elements(POSITIONS as u64));
+    group
+}
+
+/// This crate, from Earth-fixed positions.
+pub fn ours<T: Real>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, degree: u8) {
+    let coefficients =
+        Coefficients::<T>::at(YEAR).and_then(|full| full.with_degree(degree)).expect("valid");
+    let positions = earth_fixed::<T>();
+    group.bench_function(format!("igrf (this crate), {name}, degree {degree}"), |bencher| {
+        bencher.iter(|| {
+            for &position in &positions {
+                let _ = black_box(coefficients.field_ecef_nt(black_box(position)));
+            }
+        });
+    });
+}
+
+/// This crate, from geodetic positions to north, east, down: what the others compute.
+pub fn ours_geodetic(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let coefficients = Coefficients::<f64>::at(YEAR).expect("valid");
+    let positions = geodetic();
+    group.bench_function("igrf (this crate), f64, degree 13, geodetic", |bencher| {
+        bencher.iter(|| {
+            for &position in &positions {
+                let _ = black_box(coefficients.field_geodetic_nt(black_box(position)));
+            }
+        });
+    });
+}
+
+/// Crate `world_magnetic_model`, f32, degree 12, geodetic; dates its coefficients in each call.
+pub fn world_magnetic_model(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let date = Date::from_ordinal_date(2026, 182).expect("valid");
+    let positions: Vec<_> = geodetic()
+        .into_iter()
+        .map(|position| {
+            (
+                Length::new::<kilometer>(position.height_km as f32),
+                Angle::new::<radian>(position.latitude_rad as f32),
+                Angle::new::<radian>(position.longitude_rad as f32),
+            )
+        })
+        .collect();
+    group.bench_function("world_magnetic_model 1.2025, f32, degree 12", |bencher| {
+        bencher.iter(|| {
+            for &(height, latitude, longitude) in &positions {
+                let field = GeomagneticField::new(
+                    black_box(height),
+                    black_box(latitude),
+                    black_box(longitude),
+                    black_box(date),
+                )
+                .expect("valid");
+                let components = [field.x(), field.y(), field.z()];
+                black_box(components.map(|component| component.get::<nanotesla>()));
+            }
+        });
+    });
+}

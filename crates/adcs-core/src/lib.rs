@@ -20,6 +20,7 @@
     )
 )]
 
+pub mod attitude;
 pub mod control;
 pub mod environment;
 pub mod frames;

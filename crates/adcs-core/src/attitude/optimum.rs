@@ -1,0 +1,182 @@
+//! The last digits, and the proof: from a method's attitude to the certified minimum of the loss.
+//!
+//! Each method finds the attitude from B or K, whose components are rounded at ε; rounding turns
+//! its answer by about ε / margin, which is nothing for Sun and field (margin 0.1) and everything for
+//! a star tracker beside a magnetometer (margin 10⁻⁸). Here the loss itself is followed downhill
+//! from there, on residuals that do not cancel, in axes in which no weight drowns another
+//! ([`information`](super::information)).
+//!
+//! A step solves H δ = g for the small rotation δ, but takes the part about the weak direction n as
+//! the angle φ of (cos φ, sin φ) ∝ (nᵀHn, nᵀg), which is exact for a turn about a single axis, from
+//! however far away. From a good start one step is made, and it is of the size of rounding.
+//!
+//! The result is reported only if it is proved: the last step is at rounding and H is positive beyond
+//! rounding. On the sphere of quaternions the loss 1 − qᵀKq has no minimum but the global one, so
+//! this is the optimum of Wahba's problem wherever the climb began. If it cannot be proved, a second
+//! climb begins from an attitude under which the sharpest pair agrees; if that fails too, the
+//! attitude is not unique in this precision.
+
+use nalgebra::{Matrix3, Quaternion, RealField, UnitQuaternion, Vector2, Vector3};
+
+use super::information::{Eliminated, Information};
+use super::problem::Problem;
+use super::{Estimate, NoAttitude, number, quaternion};
+use crate::frames::Rotation;
+
+/// An attitude counts as unique if rounding of the unit vectors' components can turn it by no more
+/// than this: 0.01 deg, below any attitude sensor but a star tracker.
+///
+/// A component carries an error ε, which shifts nᵀg by up to ε W, W = Σ a_i (|n × b_i| + |n × c_i|), and
+/// thus turns the attitude by ε W / nᵀHn. For pairs that agree and stand an angle s apart that is about
+/// 2 ε / s, whatever the weights: f32 accepts from s = 1.2e-3 rad (0.07 deg), f64 from 2e-12 rad. For pairs
+/// that contradict each other it is ε / margin: f32 accepts margins from 6e-4, f64 from 1e-12. Pairs that
+/// are parallel but for their own rounding have W ε ≈ nᵀHn and miss the bar by a factor of 5,000.
+pub(super) const MAX_TURN_BY_ROUNDING_RAD: f64 = 2e-4;
+
+/// A step this many times the effect of rounding is rounding.
+const STEP_IN_ROUNDINGS: f64 = 16.0;
+
+/// Steps converge quadratically; a start that knows nothing but the sharpest pair needs three or four.
+const MAX_STEPS: usize = 8;
+
+/// The minimum of the loss, from the attitude that a method found, if it found one.
+pub(super) fn find<T: RealField + Copy>(
+    problem: &Problem<'_, T>,
+    start: Option<UnitQuaternion<T>>,
+) -> Result<Estimate<T>, NoAttitude> {
+    let climb = Climb { problem, axes: problem.sharpest_body_axes() };
+    let found = start.and_then(|start| climb.from(start).ok());
+    found.map_or_else(|| climb.from(quaternion(&problem.aligned_with_sharpest())), Ok)
+}
+
+struct Climb<'p, 'a, T: RealField + Copy> {
+    problem: &'p Problem<'a, T>,
+    /// From Body to axes along the sharpest measurement, in which everything here is expressed.
+    axes: Matrix3<T>,
+}
+
+/// A pair in the axes of the climb.
+struct Sight<T> {
+    weight: T,
+    b: Vector3<T>,
+    c: Vector3<T>,
+}
+
+impl<T: RealField + Copy> Climb<'_, '_, T> {
+    fn from(&self, start: UnitQuaternion<T>) -> Result<Estimate<T>, NoAttitude> {
+        let rounding = T::default_epsilon() / number(MAX_TURN_BY_ROUNDING_RAD);
+        let not_unique = NoAttitude::NotUnique { margin: 0.0 };
+        let mut attitude = start;
+        let mut last = None;
+        for _ in 0..MAX_STEPS {
+            let (gradient, information) = self.slope(&attitude);
+            let eliminated = information.eliminate(rounding).ok_or(not_unique)?;
+            let step = Step::new(&gradient, &eliminated).ok_or(not_unique)?;
+            attitude = self.turned(&attitude, &step);
+            last = Some((information, eliminated, step.angle_squared));
+            if step.angle_squared <= T::default_epsilon() {
+                break;
+            }
+        }
+        let (information, eliminated, angle_squared) = last.ok_or(not_unique)?;
+        if eliminated.roll <= T::zero() {
+            return Err(not_unique);
+        }
+        let margin = information.smallest_eigenvalue(&eliminated);
+        let spread = self.spread(&attitude, &eliminated.weak_direction());
+        let turn_by_rounding = T::default_epsilon() * spread / eliminated.roll;
+        let step_allowed = turn_by_rounding * number(STEP_IN_ROUNDINGS);
+        let converged = angle_squared <= T::default_epsilon().max(step_allowed * step_allowed);
+        let unique = turn_by_rounding <= number(MAX_TURN_BY_ROUNDING_RAD);
+        if converged && unique {
+            Ok(Estimate {
+                attitude: Rotation::from_hamilton(attitude),
+                loss: self.problem.loss(&attitude),
+                covariance_rad2: self.covariance(rounding).ok_or(not_unique)?,
+                margin,
+            })
+        } else {
+            Err(NoAttitude::not_unique(margin))
+        }
+    }
+
+    /// Every pair, with the sharpest measurement exactly along the first axis.
+    fn sights(&self, attitude: &UnitQuaternion<T>) -> impl Iterator<Item = Sight<T>> {
+        let to_axes = self.axes;
+        let a = to_axes * attitude.to_rotation_matrix().into_inner();
+        self.problem.pairs().map(move |pair| {
+            let b = if pair.is_sharpest { Vector3::x() } else { to_axes * pair.body };
+            Sight { weight: pair.weight, b, c: a * pair.reference }
+        })
+    }
+
+    /// g and H.
+    fn slope(&self, attitude: &UnitQuaternion<T>) -> (Vector3<T>, Information<T>) {
+        self.sights(attitude).fold((Vector3::zeros(), Information::zero()), |(g, h), sight| {
+            let Sight { weight, b, c } = sight;
+            (g + c.cross(&b) * weight, h.plus(weight, &b, &c))
+        })
+    }
+
+    /// W = Σ a_i (|n × b_i| + |n × c_i|), in the sum norm.
+    fn spread(&self, attitude: &UnitQuaternion<T>, n: &Vector3<T>) -> T {
+        self.sights(attitude).fold(T::zero(), |spread, Sight { weight, b, c }| {
+            spread + weight * (n.cross(&b).abs().sum() + n.cross(&c).abs().sum())
+        })
+    }
+
+    /// [Σ σ_i⁻² (I − b_i b_iᵀ)]⁻¹, Body, rad².
+    fn covariance(&self, rounding: T) -> Option<Matrix3<T>> {
+        let information = self
+            .sights(&UnitQuaternion::identity())
+            .fold(Information::zero(), |information, Sight { weight, b, .. }| {
+                information.plus(weight, &b, &b)
+            });
+        let eliminated = information.eliminate(rounding).filter(|e| e.roll > T::zero())?;
+        let covariance = eliminated.inverse() * self.problem.variance_rad2();
+        Some(self.axes.tr_mul(&(covariance * self.axes)))
+    }
+
+    fn turned(&self, attitude: &UnitQuaternion<T>, step: &Step<T>) -> UnitQuaternion<T> {
+        let axis = self.axes.tr_mul(&step.vector);
+        let turn = Quaternion::from_parts(step.scalar, axis);
+        UnitQuaternion::new_normalize(turn * attitude.into_inner())
+    }
+}
+
+/// A rotation as a quaternion, not yet of unit length.
+struct Step<T> {
+    scalar: T,
+    vector: Vector3<T>,
+    /// Square of twice |vector| / scalar, which is the angle where it is small.
+    angle_squared: T,
+}
+
+impl<T: RealField + Copy> Step<T> {
+    /// `None` when the loss is flat about the weak direction, or something is not finite.
+    fn new(gradient: &Vector3<T>, eliminated: &Eliminated<T>) -> Option<Self> {
+        let (one, two) = (T::one(), number::<T>(2.0));
+        let transverse = gradient.yz();
+        let along = gradient.x - eliminated.u.dot(&transverse);
+        let delta: Vector2<T> = eliminated.transverse_inverse * transverse;
+        // (cos φ, sin φ) ∝ (nᵀHn, nᵀg), scaled first: both may be as small as the lightest weight.
+        let scale = along.abs().max(eliminated.roll.abs());
+        if scale <= T::zero() {
+            return None;
+        }
+        let (x, y) = (eliminated.roll / scale, along / scale);
+        let length = (x * x + y * y).sqrt();
+        let (cosine, sine) = (x / length, y / length);
+        // (cos φ/2, sin φ/2) up to a factor, by the half-angle formula that does not cancel.
+        let (scalar, about_n) = if cosine >= T::zero() {
+            (one + cosine, sine)
+        } else {
+            (sine.abs(), (one - cosine).copysign(sine))
+        };
+        let vector = eliminated.weak_direction() * about_n
+            + Vector3::new(T::zero(), delta.x, delta.y) * (scalar / two);
+        let angle_squared = two * two * vector.norm_squared() / (scalar * scalar);
+        let finite = (scalar + vector.x + vector.y + vector.z).is_finite();
+        finite.then_some(Self { scalar, vector, angle_squared })
+    }
+}

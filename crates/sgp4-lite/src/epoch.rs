@@ -39,6 +39,9 @@ impl Epoch {
     /// Last year that can be written.
     pub const LAST_YEAR: u16 = 2199;
 
+    /// 2000-01-01 00:00 UTC.
+    pub const J2000_MIDNIGHT: Self = Self { days_since_j2000_midnight: 0, micros_of_day: 0 };
+
     /// An instant from the year, the day in it (1 January is day 1) and the time of that day.
     ///
     /// `None` when the year is outside [`FIRST_YEAR`](Self::FIRST_YEAR) to

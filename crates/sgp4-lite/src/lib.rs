@@ -23,7 +23,9 @@ mod error;
 mod gravity;
 mod mean_orbit;
 mod near_earth;
+mod omm;
 mod periodic;
+mod plausibility;
 mod propagator;
 mod tle;
 
@@ -32,5 +34,7 @@ pub use deep_space::ResonanceState;
 pub use elements::{Classification, Element, Elements, InternationalDesignator, WrongDesignator};
 pub use epoch::Epoch;
 pub use error::Error;
+pub use omm::OmmError;
+pub use plausibility::{Implausible, PlausibilityLimits, check_plausibility};
 pub use propagator::{MinutesSinceEpoch, Propagator, State};
 pub use tle::{Expected, TleError, TleText};

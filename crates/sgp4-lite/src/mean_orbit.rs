@@ -18,9 +18,9 @@
 //! "History of Analytical Orbit Modeling in the U.S. Space Surveillance System", J. Guidance 27(2),
 //! 2004, appendix B.
 
+use crate::Elements;
 use crate::angle::SinCos;
 use crate::gravity::{J2, J3_OVER_J2, J4, KE, RAD_PER_MIN_PER_REV_PER_DAY, two_thirds_power};
-use crate::{Elements, Error};
 
 /// Below this value of 1 + cos i the long-period term of the mean longitude, which has it in its
 /// denominator, is held: the orbit is exactly retrograde.
@@ -42,11 +42,8 @@ pub(crate) struct MeanOrbit {
 }
 
 impl MeanOrbit {
-    /// The mean orbit that the published elements stand for.
-    pub fn new(elements: &Elements) -> Result<Self, Error> {
-        if let Some((element, value)) = elements.out_of_range() {
-            return Err(Error::Element { element, value });
-        }
+    /// The mean orbit that published elements, all in their ranges, stand for.
+    pub fn new(elements: &Elements) -> Self {
         let kozai_mean_motion = elements.mean_motion_rev_per_day * RAD_PER_MIN_PER_REV_PER_DAY;
         let eccentricity = elements.eccentricity;
         let beta2 = 1.0 - eccentricity * eccentricity;
@@ -65,7 +62,7 @@ impl MeanOrbit {
         // a₀ = (kₑ / n₀)^⅔
         let semi_major_axis = two_thirds_power(KE / mean_motion);
 
-        Ok(Self {
+        Self {
             mean_motion,
             semi_major_axis,
             eccentricity,
@@ -76,7 +73,7 @@ impl MeanOrbit {
             raan: elements.raan_deg.to_radians(),
             argument_of_perigee: elements.argument_of_perigee_deg.to_radians(),
             mean_anomaly: elements.mean_anomaly_deg.to_radians(),
-        })
+        }
     }
 
     /// Radius of the mean perigee, Earth radii.

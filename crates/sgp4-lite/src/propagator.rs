@@ -66,7 +66,10 @@ impl Propagator {
     /// the period is 225 minutes or more and the feature `deep-space` is off, and
     /// [`Error::DragModel`] when the orbit makes the drag model divide by zero.
     pub fn new(elements: &Elements) -> Result<Self, Error> {
-        let orbit = MeanOrbit::new(elements)?;
+        if let Some((element, value)) = elements.out_of_range() {
+            return Err(Error::Element { element, value });
+        }
+        let orbit = MeanOrbit::new(elements);
         let period_min = TAU / orbit.mean_motion;
         let theory = if period_min < DEEP_SPACE_PERIOD_MIN {
             Theory::NearEarth(NearEarth::new(orbit, elements.bstar_per_earth_radius)?)

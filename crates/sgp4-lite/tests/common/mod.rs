@@ -69,3 +69,25 @@ pub fn satellites(csv: &'static str) -> Vec<Satellite> {
 pub fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
+
+/// A valid TLE of a low orbit, for tests that spoil it.
+pub const GOOD: [&str; 2] = [
+    "1 41001U 24001BC  21122.17684994 -.00003012  00000-0  16685-3 0 95855",
+    "2 41001  98.3250 156.3788 0008614  60.6878  66.8195 14.45753939371069",
+];
+
+/// A line of a TLE with `text` from `column` (from 1) on, and its checksum made right again.
+pub fn with_text(line: &str, column: usize, text: &str) -> String {
+    let mut bytes = line.as_bytes().to_vec();
+    bytes[column - 1..column - 1 + text.len()].copy_from_slice(text.as_bytes());
+    with_checksum(&String::from_utf8(bytes).expect("ASCII")[..68])
+}
+
+/// The 68 columns before the checksum, with it.
+pub fn with_checksum(columns: &str) -> String {
+    let sum: u32 = columns
+        .chars()
+        .map(|character| character.to_digit(10).unwrap_or(u32::from(character == '-')))
+        .sum();
+    format!("{columns}{}", sum % 10)
+}

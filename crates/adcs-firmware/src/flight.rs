@@ -72,7 +72,7 @@ pub fn fly<'a>(scenario: &'a str, records: &'a str) -> Result<End, Error<'a>> {
         Stopped::Sink(error) => error,
     })?;
     writer.flush().map_err(|error| Error::Records(records, error))?;
-    defmt::info!("landed: {}", defmt::Debug2Format(&outcome.health));
+    defmt::info!("landed: {}", outcome.health);
     Ok(outcome.end)
 }
 

@@ -19,15 +19,12 @@ fn main() -> ! {
 #[cfg(all(target_os = "none", not(feature = "emulated")))]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let _boot = adcs_firmware::boot::boot();
-    loop {
-        cortex_m::asm::wfi();
-    }
+    adcs_firmware::satellite::fly(adcs_firmware::boot::boot())
 }
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    use adcs_firmware::{clock, epitaph, pins};
+    use adcs_firmware::{clock, epitaph, parameters, pins};
     println!("adcs-firmware {}: an image for the STM32F405.", env!("CARGO_PKG_VERSION"));
     println!("Build and fly it with `cargo xtask fly`. Memory (memory.x):\n");
     print!("{}", include_str!("../../../memory.x"));
@@ -38,5 +35,6 @@ fn main() {
         pins::PHASE,
         pins::AWAKE
     );
+    println!("Parameters after power-on: {:#?}", parameters::FLIGHT);
     println!("Epitaph: {} bytes, message up to {}", epitaph::REGION_BYTES, epitaph::MESSAGE_BYTES);
 }

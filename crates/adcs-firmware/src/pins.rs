@@ -1,7 +1,8 @@
 //! Which pin does what on the ADC board.
 //!
 //! The flight wiring is not published; this is the pinout the firmware assumes (docs chapter
-//! "The board"). Another board changes this file, `stm32f405.rs`, and nothing else.
+//! "The board"). Another board changes this file,
+//! `stm32f405.rs` and `peripherals.rs`, and nothing else.
 //!
 //! | pin | function | to |
 //! |---|---|---|
@@ -23,6 +24,12 @@ pub const PHASE: [u8; 3] = [0, 1, 2];
 
 /// Sleep pin common to the three bridges on port C: low puts all outputs to high impedance.
 pub const AWAKE: u8 = 9;
+
+/// Clock, in and out of the converter's SPI on port A.
+pub const CONVERTER_BUS: [u8; 3] = [5, 6, 7];
+
+/// The converter's chip select on port A.
+pub const CONVERTER_SELECT: u8 = 4;
 
 /// Port C pins of the torquers as a bit mask.
 pub const TORQUER_MASK: u16 = mask(&ENABLE) | mask(&PHASE) | mask(&[AWAKE]);

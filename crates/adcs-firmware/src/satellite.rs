@@ -1,0 +1,43 @@
+//! The flight on the board: the real drivers on the real pins, cycle by cycle, for ever.
+
+use adcs_app::FlightApp;
+use adcs_hal::driver_board::DriverBoard;
+use cortex_m::asm::wfi;
+
+use crate::{
+    boot::Boot,
+    parameters, peripherals,
+    ticks::{self, SincePowerOn},
+    watchdog,
+};
+
+/// Health is logged once in so many cycles: once a minute.
+const CYCLES_PER_REPORT: u32 = 120;
+
+/// Flies until a reset.
+///
+/// # Panics
+/// If the built-in parameters were refused, which a test excludes.
+pub fn fly(mut boot: Boot) -> ! {
+    ticks::start(&mut boot.core.SYST, boot.clock.core_hz());
+    let parts = peripherals::take(&boot.chip, boot.clock, SincePowerOn::default());
+    let board = DriverBoard::new(parameters::BOARD, parts).expect("the board as wired");
+    let mut app = FlightApp::new(board, &parameters::FLIGHT).expect("the built-in parameters");
+    watchdog::start(&boot.chip.IWDG);
+
+    let period_ms = parameters::FLIGHT.cycle_us / 1_000;
+    let mut due_ms = ticks::milliseconds();
+    let mut cycle = 0_u32;
+    loop {
+        while ticks::milliseconds().wrapping_sub(due_ms) > u32::MAX / 2 {
+            wfi();
+        }
+        due_ms = due_ms.wrapping_add(period_ms);
+        app.cycle();
+        watchdog::feed(&boot.chip.IWDG);
+        if cycle.is_multiple_of(CYCLES_PER_REPORT) {
+            defmt::info!("cycle {}: {}", cycle, app.health());
+        }
+        cycle = cycle.wrapping_add(1);
+    }
+}

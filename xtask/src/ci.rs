@@ -1,10 +1,12 @@
 //! `cargo xtask ci`: what tests do not check.
 
-use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail};
 
 use crate::{
     budget, igrf_table,
-    process::{Program, cargo, is_ci, say},
+    process::{Program, cargo, is_ci, root, say},
     toolchain::{self, Toolchain, Wish},
 };
 
@@ -47,6 +49,14 @@ pub fn run(wish: Wish) -> Result<()> {
         bail!("host and target would compute differently with: {}", culprits.join(", "));
     }
 
+    step("mission files");
+    let missions = mission_files(&root().join("missions"))?;
+    cargo(["run", "--package", "adcs-ground", "--bin", "adcs"])
+        .args(locked())
+        .args(["--", "mission", "check"])
+        .args(missions)
+        .run()?;
+
     step("generated tables");
     igrf_table::run(true)?;
 
@@ -62,6 +72,21 @@ fn step(name: &str) {
 
 fn locked() -> Option<&'static str> {
     is_ci().then_some("--locked")
+}
+
+/// All mission files below `folder`, in order.
+fn mission_files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in folder.read_dir().with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if path.is_dir() {
+            files.extend(mission_files(&path)?);
+        } else if path.extension().is_some_and(|extension| extension == "toml") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
 }
 
 fn clippy(program: Program) -> Result<()> {

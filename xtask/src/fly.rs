@@ -61,7 +61,7 @@ pub fn run(wish: Wish, options: &Options) -> Result<()> {
         program = program.args(["--image"]).args([image]).env(qemu::VARIABLE, emulator);
     }
     say(&format!("flying {} on {world}", options.mission.display()));
-    program.args(&options.more).run()
+    program.args(&options.more).become_it()
 }
 
 /// The image and the emulator to run it.

@@ -71,6 +71,19 @@ impl Program {
         Ok(())
     }
 
+    /// Goes on as this program, so that Ctrl-C and the exit code are its own; where that cannot be
+    /// done, runs it.
+    pub fn become_it(self) -> Result<()> {
+        #[cfg(unix)]
+        {
+            let Self(mut command) = self;
+            let error = std::os::unix::process::CommandExt::exec(&mut command);
+            Err(error).with_context(|| format!("cannot start {}", Self(command).line()))
+        }
+        #[cfg(not(unix))]
+        self.run()
+    }
+
     /// Runs it silently and gives what it printed, without the last line end.
     pub fn output(mut self) -> Result<String> {
         let output = self.0.output().with_context(|| format!("cannot start {}", self.line()))?;

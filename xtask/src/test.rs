@@ -14,21 +14,31 @@ use crate::{
 /// Tells the tests which image to run on the emulated core; without it they leave that out.
 const IMAGE_VARIABLE: &str = "ADCS_IMAGE";
 
-/// Runs `cargo test --workspace` with the image at hand.
+/// The packages that have tests for the emulated core, behind a feature of this name.
+const EMULATED_TESTS: [&str; 2] = ["adcs-firmware", "adcs-tests"];
+const FEATURE: &str = "emulated";
+
+/// Runs `cargo test`, on the whole workspace unless `arguments` choose packages.
 pub fn run(wish: Wish, arguments: &[String]) -> Result<()> {
-    let whole = if selects_packages(arguments) { None } else { Some("--workspace") };
-    with_image(cargo(["test"]).args(is_ci().then_some("--locked")).args(whole), wish)?
-        .args(arguments)
-        .run()
+    let chosen = chosen_packages(arguments);
+    let program = cargo(["test"]).args(is_ci().then_some("--locked"));
+    let program = if chosen.is_empty() { program.args(["--workspace"]) } else { program };
+    let with_tests = |package: &&str| chosen.is_empty() || chosen.contains(package);
+    let packages: Vec<&str> = EMULATED_TESTS.into_iter().filter(with_tests).collect();
+    if packages.is_empty() {
+        return program.args(arguments).run();
+    }
+    with_image(program, wish, &packages)?.args(arguments).run()
 }
 
-/// Adds the image and the emulator to the environment of `program`. A machine that has none runs
-/// the other tests, unless it is a CI machine.
-pub fn with_image(program: Program, wish: Wish) -> Result<Program> {
+/// Adds the tests of `packages` that run the image, and the image. A machine that cannot run it
+/// runs the other tests, unless it is a CI machine.
+pub fn with_image(program: Program, wish: Wish, packages: &[&str]) -> Result<Program> {
     match emulated(wish) {
-        Ok((image, emulator)) => {
-            Ok(program.env(IMAGE_VARIABLE, image).env(qemu::VARIABLE, emulator))
-        }
+        Ok((image, emulator)) => Ok(program
+            .args(packages.iter().map(|package| format!("--features={package}/{FEATURE}")))
+            .env(IMAGE_VARIABLE, image)
+            .env(qemu::VARIABLE, emulator)),
         Err(error) if is_ci() => Err(error),
         Err(error) => {
             say(&format!("{error:#}"));
@@ -44,10 +54,17 @@ fn emulated(wish: Wish) -> Result<(PathBuf, PathBuf)> {
     Ok((image, emulator))
 }
 
-/// True if `cargo test`'s own arguments choose packages; what stands after `--` is the tests'.
-fn selects_packages(arguments: &[String]) -> bool {
-    let own = arguments.iter().take_while(|argument| *argument != "--");
-    own.into_iter().any(|a| a == "-p" || a.starts_with("--package") || a == "--workspace")
+/// The packages that `cargo test`'s own arguments choose; what stands after `--` is the tests'.
+fn chosen_packages(arguments: &[String]) -> Vec<&str> {
+    let mut own = arguments.iter().map(String::as_str).take_while(|&argument| argument != "--");
+    let mut packages = Vec::new();
+    while let Some(argument) = own.next() {
+        match argument {
+            "-p" | "--package" => packages.extend(own.next()),
+            _ => packages.extend(argument.strip_prefix("--package=")),
+        }
+    }
+    packages
 }
 
 #[cfg(test)]
@@ -55,10 +72,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chosen_packages_replace_the_whole_workspace() {
-        let chosen =
-            |line: &str| selects_packages(&line.split(' ').map(str::to_owned).collect::<Vec<_>>());
-        assert!(chosen("-p adcs-core") && chosen("--package=igrf"));
-        assert!(!chosen("--release some_test") && !chosen("-- -p"));
+    fn chosen_packages_are_recognised_in_every_spelling() {
+        let line = "-p igrf --release --package=adcs-core --package adcs-tests despin -- -p no";
+        let arguments: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        assert_eq!(chosen_packages(&arguments), ["igrf", "adcs-core", "adcs-tests"]);
+    }
+
+    #[test]
+    fn without_a_choice_nothing_is_chosen() {
+        assert_eq!(chosen_packages(&["--release".into(), "--".into(), "-p".into()]), [""; 0]);
     }
 }

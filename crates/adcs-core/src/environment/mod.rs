@@ -1,4 +1,5 @@
-//! What surrounds the satellite: the Earth's turning, the Sun, the field.
+//! What surrounds the satellite: the Earth's turning and shape, the Sun and the Earth's shadow, the
+//! field.
 
 pub mod crossings;
 pub mod earth;

@@ -13,11 +13,13 @@ use std::{
     process::{Child, Command, Stdio},
     sync::mpsc::{self, RecvTimeoutError, Sender},
     thread,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::{Context as _, Result, bail};
 use defmt_decoder::{DecodeError, Table};
+
+use crate::flight::Watcher;
 
 /// The emulator, when [`VARIABLE`] does not name another.
 const PROGRAM: &str = "qemu-system-arm";
@@ -29,28 +31,16 @@ const MACHINE: &str = "netduinoplus2";
 const LONGEST_SILENCE: Duration = Duration::from_secs(120);
 /// Names of the files in the output folder. The emulator runs there, so that no path with blanks
 /// or commas goes through its command line.
-const SCENARIO_FILE: &str = "scenario.postcard";
-const RECORDS_FILE: &str = "records-m4.cobs";
+const SCENARIO_FILE: &str = "scenario.bin";
+const RECORDS_FILE: &str = "records.bin";
+/// How long the wish to stop may go unheard.
+const ATTENTION: Duration = Duration::from_millis(100);
 
 /// An emulator and the image it runs.
 #[derive(Debug, Clone)]
 pub struct Emulator {
     program: PathBuf,
     image: PathBuf,
-}
-
-/// What an emulated flight says on its way.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Event {
-    /// It has come so far.
-    Progress {
-        /// Cycles flown.
-        cycle: u32,
-        /// Cycles to fly.
-        cycles: u32,
-    },
-    /// It has logged a line.
-    Log(String),
 }
 
 /// How an emulated flight ended.
@@ -94,7 +84,7 @@ impl Emulator {
     }
 
     /// Flies the scenario (postcard bytes) and leaves the records in `folder`, those of an
-    /// interrupted flight too. `watch` is told how it goes.
+    /// interrupted flight too. `watcher` is told how it goes; `None` when it wants to stop.
     ///
     /// # Errors
     /// When the emulator is missing, or the image refuses the scenario, dies, or hangs.
@@ -102,29 +92,36 @@ impl Emulator {
         &self,
         scenario: &[u8],
         folder: &Path,
-        mut watch: impl FnMut(&Event),
-    ) -> Result<Landing> {
+        watcher: &mut impl Watcher,
+    ) -> Result<Option<Landing>> {
         let file = folder.join(SCENARIO_FILE);
         fs::write(&file, scenario).with_context(|| format!("writing {}", file.display()))?;
         let mut child = Running(self.start(folder)?);
         let heard = listen(&mut child.0, &self.image)?;
 
         let (mut digest, mut stack_bytes, mut failure) = (None, 0, None);
+        let mut last_heard = Instant::now();
         loop {
-            match heard.recv_timeout(LONGEST_SILENCE) {
-                Ok(Heard::Log(text)) => watch(&Event::Log(text)),
-                Ok(Heard::Line(Line::Progress { cycle, cycles })) => {
-                    watch(&Event::Progress { cycle, cycles });
+            if watcher.wants_to_stop() {
+                return Ok(None);
+            }
+            match heard.recv_timeout(ATTENTION) {
+                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => {
+                    if last_heard.elapsed() > LONGEST_SILENCE {
+                        let silence_s = LONGEST_SILENCE.as_secs();
+                        bail!("the emulated image has been silent for {silence_s} s");
+                    }
+                    continue;
                 }
+                Ok(Heard::Log(text)) => watcher.log(&text),
+                Ok(Heard::Line(Line::Progress { cycle, .. })) => watcher.cycle(cycle),
                 Ok(Heard::Line(Line::Digest(value))) => digest = Some(value),
                 Ok(Heard::Line(Line::Stack(bytes))) => stack_bytes = bytes,
                 Ok(Heard::Line(Line::Failure(text))) => failure = Some(text),
                 Ok(Heard::Line(Line::Other)) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) => {
-                    bail!("the emulated image has been silent for {} s", LONGEST_SILENCE.as_secs())
-                }
             }
+            last_heard = Instant::now();
         }
         let status = child.0.wait()?;
         if let Some(text) = failure {
@@ -134,7 +131,7 @@ impl Emulator {
             bail!("the emulator failed: {status}");
         }
         let digest = digest.context("the emulated flight ended without a digest")?;
-        Ok(Landing { digest, stack_bytes, records: folder.join(RECORDS_FILE) })
+        Ok(Some(Landing { digest, stack_bytes, records: folder.join(RECORDS_FILE) }))
     }
 
     fn start(&self, folder: &Path) -> Result<Child> {
@@ -231,6 +228,7 @@ fn line(text: &str) -> Line {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flight::Patient;
 
     #[test]
     fn lines_of_the_image_are_understood() {
@@ -259,7 +257,7 @@ mod tests {
     fn an_emulator_that_is_not_there_is_an_error_that_says_how_to_get_it() {
         let emulator =
             Emulator { program: "no-such-emulator".into(), image: env::current_exe().unwrap() };
-        let error = emulator.fly(&[], &env::temp_dir(), |_| {}).unwrap_err();
+        let error = emulator.fly(&[], &env::temp_dir(), &mut Patient).unwrap_err();
         assert!(format!("{error:#}").contains("cargo xtask setup"), "{error:#}");
     }
 }

@@ -3,4 +3,6 @@
 #![forbid(unsafe_code)]
 
 pub mod emulator;
+pub mod flight;
 pub mod mission;
+pub mod report;

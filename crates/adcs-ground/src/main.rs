@@ -23,15 +23,19 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Fly(commands::fly::Args),
+    Report(commands::report::Args),
     Mission(commands::mission::Args),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::Fly(args) => commands::fly::run(&args),
+        Command::Report(args) => commands::report::run(&args),
         Command::Mission(args) => commands::mission::run(&args),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
-        ExitCode::FAILURE
+        ExitCode::from(2)
     })
 }

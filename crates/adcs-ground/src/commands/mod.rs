@@ -1,3 +1,6 @@
-//! One file a command: its arguments, and what it does with the library.
+//! The commands of `adcs`, one a file.
 
+mod console;
+pub mod fly;
 pub mod mission;
+pub mod report;

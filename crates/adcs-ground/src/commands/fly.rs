@@ -1,0 +1,171 @@
+//! `adcs fly`: flies a mission and leaves a report.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use adcs_ground::emulator::Emulator;
+use adcs_ground::flight::{Ending, Flight, Flown, Folder, World, compare, host, image};
+use adcs_ground::mission::{self, Mission};
+use adcs_ground::report::{self, Summary};
+use anyhow::{Context as _, Result};
+use clap::ValueEnum;
+
+use super::console::{Console, INTERRUPTED, Stop};
+
+/// Fly a mission and write a report.
+///
+/// Flies the mission closed loop, from the orbit to the torquers' currents, and writes into the output
+/// folder:
+///
+///   report.html    the flight to look at, in any browser, offline
+///   summary.json   the flight in numbers
+///   history.csv    one row a cycle, units in the header
+///   plots/*.svg    the plots of the report
+///   records.bin    every message of the flight, as it came
+///
+/// Ctrl-C ends the flight; what was flown until then is kept and reported. The exit code is 0 when the
+/// mission was flown to its end (and equally, with --on both), 1 when it was not, 2 when it could not
+/// begin, 130 when it was interrupted.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment, after_help = EXAMPLES)]
+pub struct Args {
+    /// The mission file; see missions/README.md for what may stand in it
+    mission: PathBuf,
+
+    /// Where to fly it
+    #[arg(long, value_enum, default_value_t = On::Host)]
+    on: On,
+
+    /// The output folder [default: out/NAME, NAME being that of the mission file]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// The image for the emulated core [default: the one that `cargo xtask image` built]
+    #[arg(long, value_name = "PATH")]
+    image: Option<PathBuf>,
+
+    /// Print results and errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  adcs fly missions/sprout/despin-calibrated.toml
+      on this computer; then open out/despin-calibrated/report.html
+  adcs fly missions/sprout/despin-calibrated.toml --on both
+      also as the ARM image on an emulated STM32F405: both must give the same digest
+  adcs fly my-mission.toml --out /tmp/try
+      into another folder";
+
+/// Where to fly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum On {
+    /// On this computer
+    Host,
+    /// As the ARM image on an emulated STM32F405, into the subfolder m4
+    M4,
+    /// On both, and compare them bit by bit
+    Both,
+}
+
+pub fn run(args: &Args) -> Result<ExitCode> {
+    let mission = mission::load(&args.mission)
+        .with_context(|| format!("{} cannot be flown", args.mission.display()))?;
+    // What an emulated flight needs is looked for before anything is flown.
+    let emulator = match args.on {
+        On::Host => None,
+        On::M4 | On::Both => Some(emulator(args)?),
+    };
+    let out = args.out.clone().unwrap_or_else(|| Path::new("out").join(&mission.name));
+    let stop = Stop::listen()?;
+    let mut flights = Vec::new();
+    if args.on != On::M4 {
+        let folder = Folder::prepare(&out)?;
+        flights.push(fly(args, &mission, &folder, None, &stop)?);
+    }
+    if let Some(emulator) = &emulator
+        && !stop.is_wanted()
+    {
+        let folder = Folder::prepare(out.join("m4"))?;
+        flights.push(fly(args, &mission, &folder, Some(emulator), &stop)?);
+    }
+    let equal = compare(&flights)?;
+    if stop.is_wanted() {
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    let complete = flights.iter().all(|done| done.flight.ending == Ending::Complete);
+    Ok(ExitCode::from(u8::from(!(complete && equal))))
+}
+
+fn emulator(args: &Args) -> Result<Emulator> {
+    let image = match &args.image {
+        Some(image) => image.clone(),
+        None => image::find()?,
+    };
+    Emulator::new(&image)
+}
+
+/// A flight that is over.
+struct Done {
+    flight: Flight,
+    flown: Flown,
+}
+
+fn fly(
+    args: &Args,
+    mission: &Mission,
+    folder: &Folder,
+    emulator: Option<&Emulator>,
+    stop: &Stop,
+) -> Result<Done> {
+    let world = if emulator.is_some() { World::M4 } else { World::Host };
+    let mut console = Console::new(world, mission.scenario.cycles, args.quiet, stop);
+    let flight = match emulator {
+        None => host::fly(mission, folder, &mut console),
+        Some(emulator) => image::fly(emulator, mission, folder, &mut console),
+    };
+    console.finish();
+    let flight = flight?;
+    if let Ending::Failed(reason) = &flight.ending {
+        eprintln!("error: the flight on {world} ended early: {reason}");
+    }
+    let flown = Flown::read(&folder.records())?;
+    let summary = report::make_of(folder, &flight, &flown)?;
+    print(&summary, folder, args.quiet);
+    Ok(Done { flight, flown })
+}
+
+fn print(summary: &Summary, folder: &Folder, quiet: bool) {
+    let world = summary.world.to_string();
+    match &summary.digest {
+        Some(digest) => println!("digest {world:<4} {digest}"),
+        None => println!("digest {world:<4} none: the flight is not whole"),
+    }
+    if quiet {
+        return;
+    }
+    println!("  flown    {:.1} of {:.1} s", summary.flown_s, summary.planned_s);
+    let rates = &summary.rates;
+    let ratio = rates.ratio.map_or_else(String::new, |ratio| format!(", ratio {ratio:.3}"));
+    println!(
+        "  rate     {:.3} deg/s at the start, {:.3} deg/s at the end{ratio}",
+        rates.start_norm_deg_s, rates.end_norm_deg_s
+    );
+    if let (Some(wall_s), Some(speed)) = (summary.wall_s, summary.speed_over_real_time) {
+        println!("  speed    {wall_s:.2} s, {speed:.0} times real time");
+    }
+    println!("  report   {}", folder.report().display());
+}
+
+/// Says whether two flights were the same; true when there is nothing to compare.
+fn compare(flights: &[Done]) -> Result<bool> {
+    let [host, m4] = flights else { return Ok(true) };
+    if let Some(difference) = compare::first_difference(&host.flown, &m4.flown)? {
+        println!("different: host and m4 part at {difference}");
+        return Ok(false);
+    }
+    let whole = host.flown.is_whole() && m4.flown.is_whole();
+    println!("{}", if whole { "equal" } else { "equal as far as both were flown" });
+    Ok(whole)
+}

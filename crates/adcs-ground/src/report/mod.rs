@@ -1,0 +1,40 @@
+//! What a flight looks like: history, summary, plots, and a page that shows them.
+
+pub mod damping;
+pub mod history;
+pub mod rows;
+pub mod summary;
+
+use anyhow::{Result, bail};
+
+use crate::flight::folder;
+use crate::flight::{Flight, Flown, Folder};
+
+pub use summary::Summary;
+
+/// Makes everything in `folder` that can be made from its records, also from those of a flight that
+/// was cut off.
+///
+/// # Errors
+/// When the folder holds no flight, no cycle of it, or cannot be written.
+pub fn make(folder: &Folder) -> Result<Summary> {
+    let flight = folder.read_flight()?;
+    let flown = Flown::read(&folder.records())?;
+    make_of(folder, &flight, &flown)
+}
+
+/// The same for a flight that has been read.
+///
+/// # Errors
+/// When not a single cycle was recorded, or the folder cannot be written.
+pub fn make_of(folder: &Folder, flight: &Flight, flown: &Flown) -> Result<Summary> {
+    let rows = rows::rows(flown);
+    let Some(summary) = summary::summary(flight, flown, &rows) else {
+        bail!("{}: not a single cycle was recorded", folder.records().display());
+    };
+    history::write(&folder.history(), &rows)?;
+    let mut text = serde_json::to_string_pretty(&summary)?;
+    text.push('\n');
+    folder::write(&folder.summary(), text)?;
+    Ok(summary)
+}

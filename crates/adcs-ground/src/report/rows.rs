@@ -1,0 +1,156 @@
+//! A flight in a person's units, row by row: what history, plots and summary are made of.
+
+use adcs_core::frames::{Body, Eci, Rotation, Vector};
+use adcs_core::pipeline::ControlStatus;
+use adcs_core::reading::{MissingReason, Reading};
+use adcs_core::schedule::Phase;
+use adcs_core::time::Utc;
+
+use crate::flight::Flown;
+use crate::flight::records::Step;
+
+/// Nanotesla in a tesla.
+const NT_PER_T: f64 = 1e9;
+
+/// One cycle. Vectors are along Body's axes unless said otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The cycle.
+    pub cycle: u32,
+    /// Time since the start, s.
+    pub time_s: f64,
+    /// The satellite's clock.
+    pub utc: Utc,
+    /// What the cycle was for.
+    pub phase: Phase,
+    /// True rate, deg/s.
+    pub rate_deg_s: [f64; 3],
+    /// Its length, deg/s.
+    pub rate_norm_deg_s: f64,
+    /// True attitude, scalar last.
+    pub attitude_xyzw: [f64; 4],
+    /// True position, Eci, km.
+    pub position_km: [f64; 3],
+    /// True field, nT.
+    pub field_nt: [f64; 3],
+    /// Its length, nT.
+    pub field_norm_nt: f64,
+    /// Readings of the gyros along their axes, deg/s.
+    pub gyro_deg_s: [Reading<f64>; 3],
+    /// Readings of the magnetometer along its axes, nT.
+    pub magnetometer_nt: [Reading<f64>; 3],
+    /// Rate after calibration, deg/s.
+    pub measured_rate_deg_s: Option<[f64; 3]>,
+    /// Field after calibration, nT; only from the cycles that measure.
+    pub measured_field_nt: Option<[f64; 3]>,
+    /// Length of the flight software's model field, nT.
+    pub model_field_norm_nt: Option<f64>,
+    /// Commanded dipole along the torquers' axes, A·m².
+    pub commanded_am2: [f64; 3],
+    /// Dipole that the hardware made of it, A·m²; `None` when it refused.
+    pub driven_am2: Option<[f64; 3]>,
+    /// Dipole that truly acts from this instant on, A·m²; that of the last row is not known.
+    pub dipole_am2: Option<[f64; 3]>,
+    /// What stage III did.
+    pub control: ControlStatus,
+    /// Which torquers stood at their limit.
+    pub saturated: [bool; 3],
+    /// Kinetic energy of turning, J.
+    pub energy_j: f64,
+    /// Power of the control torque, ω · (m × B), at this instant with the dipole that acts from it
+    /// on, W.
+    pub control_power_w: Option<f64>,
+    /// Whether the Sun was in sight.
+    pub sunlit: bool,
+}
+
+/// All rows of a flight.
+pub fn rows(flown: &Flown) -> Vec<Row> {
+    let following = flown.steps.iter().skip(1).map(Some).chain([None]);
+    flown.steps.iter().zip(following).map(|(step, next)| row(flown, step, next)).collect()
+}
+
+fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row {
+    let r_bi: Rotation<Body, Eci, f64> =
+        Rotation::from_attitude_quaternion(truth.attitude_xyzw).unwrap_or_else(Rotation::identity);
+    let omega: Vector<Body, f64> = vector(truth.omega_bi_rad_s);
+    let field: Vector<Body, f64> = r_bi * vector(truth.field_eci_t);
+    // The next truth tells what the torquers carried up to it, that is, through this cycle.
+    let follows = |next: &&Step| next.truth.cycle == truth.cycle + 1;
+    let dipole_am2 = next.filter(follows).map(|next| next.truth.torquer_dipole_body_am2);
+    let power = |dipole: [f64; 3]| omega.dot(&vector::<Body>(dipole).cross(&field));
+    Row {
+        cycle: record.cycle,
+        time_s: flown.time_s(record.cycle),
+        utc: record.utc,
+        phase: record.phase,
+        rate_deg_s: truth.omega_bi_rad_s.map(f64::to_degrees),
+        rate_norm_deg_s: omega.norm().to_degrees(),
+        attitude_xyzw: truth.attitude_xyzw,
+        position_km: truth.position_eci_m.map(|m| m / 1e3),
+        field_nt: field.to_array().map(|t| t * NT_PER_T),
+        field_norm_nt: field.norm() * NT_PER_T,
+        gyro_deg_s: record.gyro_rad_s.map(|axis| axis.map(|x| f64::from(x).to_degrees())),
+        magnetometer_nt: record.magnetometer_t.map(|axis| axis.map(|x| f64::from(x) * NT_PER_T)),
+        measured_rate_deg_s: record
+            .omega_bi_rad_s
+            .value()
+            .map(|rate| rate.map(|x| f64::from(x).to_degrees())),
+        measured_field_nt: record
+            .field_body_t
+            .value()
+            .map(|field| field.map(|x| f64::from(x) * NT_PER_T)),
+        model_field_norm_nt: record
+            .reference_field_eci_t
+            .map(|field| norm(field.map(f64::from)) * NT_PER_T),
+        commanded_am2: record.commanded_am2.map(f64::from),
+        driven_am2: record.driven_am2.map(|dipole| dipole.map(f64::from)),
+        dipole_am2,
+        control: record.control,
+        saturated: record.saturated,
+        energy_j: truth.kinetic_energy_j,
+        control_power_w: dipole_am2.map(power),
+        sunlit: truth.sunlit,
+    }
+}
+
+fn vector<F>([x, y, z]: [f64; 3]) -> Vector<F, f64> {
+    Vector::new(x, y, z)
+}
+
+/// The length of a vector.
+pub(super) fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Why a reading is missing, in a word.
+pub(super) fn missing_word(reason: MissingReason) -> &'static str {
+    match reason {
+        MissingReason::Bus => "bus",
+        MissingReason::OutOfRange => "out_of_range",
+        MissingReason::NotFinite => "not_finite",
+        MissingReason::TorquersOn => "torquers_on",
+        _ => "missing",
+    }
+}
+
+/// What a cycle was for, in a word.
+pub(super) fn phase_word(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Settling => "settling",
+        Phase::Measuring => "measuring",
+        Phase::Acting => "acting",
+    }
+}
+
+/// What stage III did, in words.
+pub(super) fn control_words(control: ControlStatus) -> String {
+    match control {
+        ControlStatus::Off => "off".to_owned(),
+        ControlStatus::Resting => "resting".to_owned(),
+        ControlStatus::Acting => "acting".to_owned(),
+        ControlStatus::NoRate(reason) => format!("no_rate:{}", missing_word(reason)),
+        ControlStatus::NoField(reason) => format!("no_field:{}", missing_word(reason)),
+        ControlStatus::NoDipole => "no_dipole".to_owned(),
+    }
+}

@@ -113,7 +113,8 @@ pub(crate) fn drag_terms(
 
     // C₄ = 2n₀ (q₀−s)⁴ξ⁴ a₀β₀² |1−η²|^(−7/2) {η(2 + ½η²) + e(½ + 2η²) − J₂ξ/(a₀|1−η²|) ×
     //      [−3(3θ²−1)(1 − 2eη + 3/2 η² − ½eη³) + ¾(1−θ²)(2η² − eη − eη³) cos 2ω₀]}
-    let cos_2w = libm::cos(2.0 * orbit.argument_of_perigee);
+    let perigee = SinCos::of(orbit.argument_of_perigee);
+    let cos_2w = perigee.plus(perigee).cos;
     let c4 = 2.0
         * n0
         * density_psi
@@ -165,7 +166,7 @@ pub(crate) fn drag_terms(
         perigee_drag_at_epoch: at_epoch * at_epoch * at_epoch,
         sin_mean_anomaly_at_epoch: mean_anomaly.sin,
         // B*C₃ cos ω₀
-        anomaly_t: bstar * c3 * libm::cos(orbit.argument_of_perigee),
+        anomaly_t: bstar * c3 * perigee.cos,
         // −⅔ (q₀−s)⁴ξ⁴ B* / (eη)
         anomaly_perigee: if e0 > LEAST_ECCENTRICITY {
             -2.0 / 3.0 * density * bstar / e_eta

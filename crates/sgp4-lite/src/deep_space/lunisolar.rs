@@ -152,7 +152,7 @@ impl PeriodicTerms {
     fn at(&self, t: f64) -> PeriodicChanges {
         // f = M + 2eₓ sin M
         let mean_anomaly = self.mean_anomaly_at_epoch + self.mean_motion * t;
-        let equation_of_centre = 2.0 * self.body_eccentricity * libm::sin(mean_anomaly);
+        let equation_of_centre = 2.0 * self.body_eccentricity * SinCos::of(mean_anomaly).sin;
         let SinCos { sin: sin_f, cos: cos_f } = SinCos::of(mean_anomaly + equation_of_centre);
         let f2 = 0.5 * sin_f * sin_f - 0.25;
         let f3 = -0.5 * sin_f * cos_f;

@@ -111,11 +111,8 @@ impl DeepSpace {
         } else {
             return None;
         };
-        let start = Start {
-            longitude: libm::fmod(longitude, TAU),
-            mean_motion: n,
-            longitude_rate_without_n: longitude_rate - n,
-        };
+        let start =
+            Start { longitude, mean_motion: n, longitude_rate_without_n: longitude_rate - n };
         Some(Resonance { start, pull })
     }
 
@@ -194,7 +191,7 @@ fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> Elemen
     let mean_anomaly = mean.mean_anomaly + changes.mean_anomaly;
     let SinCos { sin: sin_i, cos: cos_i } = SinCos::of(inclination);
     // The sign of Ω is kept in the reduction to one turn, as in the reference: it enters below.
-    let raan = libm::fmod(mean.raan, TAU);
+    let raan = within_one_turn(mean.raan, TAU);
     let mut perturbed = if inclination >= LYDDANE_BELOW_RAD {
         let raan_change = changes.sin_i_node / sin_i;
         ElementsAt {
@@ -236,6 +233,11 @@ fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> Elemen
     perturbed
 }
 
+/// The angle less its whole turns, with its sign.
+fn within_one_turn(angle: f64, turn: f64) -> f64 {
+    angle - turn * libm::trunc(angle / turn)
+}
+
 /// The angle, moved by one turn when it is more than half a turn from the other.
 fn on_the_turn_of(other: f64, angle: f64) -> f64 {
     if (other - angle).abs() <= PI {
@@ -258,5 +260,5 @@ fn greenwich_sidereal_time(julian_date: f64) -> f64 {
                 + 8_640_184.812_866
                 + centuries * (0.093_104 - centuries * 6.2e-6));
     // 240 s of time are one degree.
-    libm::fmod(seconds / 240.0, 360.0).to_radians()
+    within_one_turn(seconds / 240.0, 360.0).to_radians()
 }

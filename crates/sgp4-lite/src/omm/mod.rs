@@ -8,7 +8,7 @@ mod keys;
 
 pub use error::OmmError;
 
-use crate::{Classification, Element, Elements, Epoch, InternationalDesignator};
+use crate::{Classification, Element, Elements, Epoch, InternationalDesignator, decimal};
 use date::{parse_epoch, split_at_byte};
 use keys::{KEYWORDS, Keyword, Number, Seen, USER_DEFINED, Use, VERSION};
 
@@ -189,15 +189,20 @@ impl Draft {
             Use::RevolutionNumber => {
                 elements.revolution_number = integer(place, value, u32::MAX)?;
             }
-            Use::Number(number, unit) => {
-                self.assign_number(place, number, decimal(place, value, unit)?)?;
+            Use::Number(quantity, unit) => {
+                self.assign_number(place, quantity, number(place, value, unit)?)?;
             }
         }
         Ok(())
     }
 
-    fn assign_number(&mut self, place: Place, number: Number, value: f64) -> Result<(), OmmError> {
-        let in_range = match number {
+    fn assign_number(
+        &mut self,
+        place: Place,
+        quantity: Number,
+        value: f64,
+    ) -> Result<(), OmmError> {
+        let in_range = match quantity {
             Number::Element(element) => element.allows(value),
             Number::MeanMotionDot | Number::MeanMotionDdot => value.is_finite(),
         };
@@ -205,7 +210,7 @@ impl Draft {
             return Err(OmmError::Range { line: place.line, key: place.key, value });
         }
         let elements = &mut self.elements;
-        *match number {
+        *match quantity {
             Number::MeanMotionDot => &mut elements.mean_motion_dot_over_2_rev_per_day2,
             Number::MeanMotionDdot => &mut elements.mean_motion_ddot_over_6_rev_per_day3,
             Number::Element(Element::Bstar) => &mut elements.bstar_per_earth_radius,
@@ -220,14 +225,9 @@ impl Draft {
     }
 }
 
-/// A decimal number, with its unit or without: digits, a sign, a point, an exponent.
-fn decimal(place: Place, value: &[u8], unit: &'static str) -> Result<f64, OmmError> {
-    let number = without_unit(place, value, unit)?;
-    // `f64::from_str` reads "inf" and "nan" too; they have other letters.
-    let plain =
-        number.iter().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'E' | b'e'));
-    let text = if plain { str::from_utf8(number).ok() } else { None };
-    text.and_then(|text| text.parse().ok()).ok_or(place.value("a decimal number"))
+/// A decimal number, with its unit or without.
+fn number(place: Place, value: &[u8], unit: &'static str) -> Result<f64, OmmError> {
+    decimal::parse(without_unit(place, value, unit)?).ok_or(place.value("a decimal number"))
 }
 
 fn without_unit<'a>(
@@ -247,15 +247,16 @@ fn without_unit<'a>(
 
 /// An integer of digits only, at most `max`.
 fn integer(place: Place, value: &[u8], max: u32) -> Result<u32, OmmError> {
-    let expected = place.value("an integer that is not negative");
     if value.is_empty() || !value.iter().all(u8::is_ascii_digit) {
-        return Err(expected);
+        return Err(place.value("an integer that is not negative"));
     }
-    let number = str::from_utf8(value).ok().and_then(|text| text.parse::<u32>().ok());
-    match number {
-        Some(number) if number <= max => Ok(number),
-        _ => Err(place.value("a smaller integer")),
-    }
+    value
+        .iter()
+        .try_fold(0_u32, |number, digit| {
+            number.checked_mul(10)?.checked_add(u32::from(digit - b'0'))
+        })
+        .filter(|number| *number <= max)
+        .ok_or(place.value("a smaller integer"))
 }
 
 /// `1998-067A` as the eight columns `98067A  `; blank when empty or `UNKNOWN`.

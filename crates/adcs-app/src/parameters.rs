@@ -6,6 +6,7 @@ use core::fmt;
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
 use adcs_core::orbit::OrbitModel;
+use adcs_core::orbit::interpolated::InterpolatedOrbit;
 use adcs_core::pipeline::{Configuration, Law};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 use adcs_core::sensing::{Triad, TriadError, TriadParameters};
@@ -86,7 +87,10 @@ impl FlightParameters {
             LawParameters::BDot(gain) => Law::BDot(BDot::new(gain).map_err(ParameterError::Gain)?),
         };
         let orbit = match &self.elements {
-            Some(elements) => Some(OrbitModel::new(elements).map_err(ParameterError::Orbit)?),
+            Some(elements) => {
+                let model = OrbitModel::new(elements).map_err(ParameterError::Orbit)?;
+                Some(InterpolatedOrbit::new(model))
+            }
             None => None,
         };
         let configuration = Configuration {

@@ -9,7 +9,8 @@ use crate::control::allocation::{Allocation, Command};
 use crate::control::b_dot::BDot;
 use crate::environment::field::FieldModel;
 use crate::frames::{Body, Eci, GyroAxes, MagnetometerAxes, Vector};
-use crate::orbit::{OrbitModel, OrbitState};
+use crate::orbit::OrbitState;
+use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::Triad;
@@ -28,7 +29,7 @@ pub enum Law {
 #[derive(Debug, Clone)]
 pub struct Configuration {
     /// Orbit model; `None` while no elements have been given. Despin does not need it.
-    pub orbit: Option<OrbitModel>,
+    pub orbit: Option<InterpolatedOrbit>,
     /// From the gyros' axes to Body.
     pub gyro: Triad<GyroAxes>,
     /// From the magnetometer's axes to Body.
@@ -42,6 +43,7 @@ pub struct Configuration {
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Default)]
 pub struct State {
+    orbit_nodes: OrbitNodes,
     field_model: Option<FieldModel<f32>>,
     held: Decision,
 }
@@ -97,7 +99,7 @@ pub struct Thoughts {
 /// One cycle.
 pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) -> Thoughts {
     // Stage I: where the satellite is, and which field it should see there.
-    let orbit = configuration.orbit.as_ref().and_then(|model| model.state(inputs.now).ok());
+    let orbit = state.orbit(configuration, inputs.now);
     let reference_field = orbit.and_then(|orbit| state.reference_field(inputs.now, &orbit));
 
     // What it does see, in Body.
@@ -165,6 +167,11 @@ impl Default for Decision {
 }
 
 impl State {
+    /// Where the satellite is, from SGP4 at the nodes around `now`.
+    fn orbit(&mut self, configuration: &Configuration, now: Utc) -> Option<OrbitState> {
+        configuration.orbit.as_ref()?.state(&mut self.orbit_nodes, now).ok()
+    }
+
     /// The model's field at the satellite, with the coefficients of the hour kept from cycle to
     /// cycle.
     fn reference_field(&mut self, now: Utc, orbit: &OrbitState) -> Option<Vector<Eci>> {

@@ -1,0 +1,37 @@
+//! The signature of the project: a flight on the emulated core has the bits of the flight on the
+//! host, cycle by cycle. Needs an image in `ADCS_IMAGE`; `cargo xtask test` builds it.
+
+use std::env;
+use std::fs;
+use std::path::Path;
+
+use adcs_ground::emulator::Emulator;
+use adcs_tests::{fly, mission};
+
+fn digests(name: &str) -> (u64, u64) {
+    let image =
+        env::var_os("ADCS_IMAGE").expect("ADCS_IMAGE names no image: use `cargo xtask test`");
+    let scenario = mission(name).scenario;
+    let host = fly(&scenario).outcome.end.digest;
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name.replace('/', "-"));
+    fs::create_dir_all(&folder).expect("a folder for the emulated flight");
+    let mut buffer = [0; 4096];
+    let bytes = postcard::to_slice(&scenario, &mut buffer).expect("a scenario has bytes");
+    let emulator = Emulator::new(Path::new(&image)).unwrap_or_else(|error| panic!("{error:#}"));
+    let landing =
+        emulator.fly(bytes, &folder, |_| {}).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+    println!("{name}: host {host:016x}, emulated {:016x}", landing.digest);
+    (host, landing.digest)
+}
+
+#[test]
+fn the_whole_despin_has_the_same_bits_on_the_emulated_core() {
+    let (host, emulated) = digests("sprout/despin-calibrated");
+    assert_eq!(host, emulated);
+}
+
+#[test]
+fn a_reference_flight_has_the_same_bits_on_the_emulated_core() {
+    let (host, emulated) = digests("reference/p3");
+    assert_eq!(host, emulated);
+}

@@ -53,7 +53,7 @@ pub fn run(wish: Wish, options: &Options) -> Result<()> {
             }
         },
     };
-    let mut program = cargo(["run", "--quiet", "--release", "--package", "adcs-ground"])
+    let mut program = cargo(["run", "--release", "--package", "adcs-ground"])
         .args(["--bin", "adcs", "--", "fly"])
         .args([&options.mission])
         .args(["--on", world]);

@@ -50,7 +50,9 @@ impl<T: RealField + Copy> Information<T> {
         Self { roll: T::zero(), coupling: Vector2::zeros(), transverse: Matrix2::zeros() }
     }
 
-    /// Adds `weight` times (b·c) I − ½ (b cᵀ + c bᵀ).
+    /// Adds `weight` times (b·c) I − ½ (b cᵀ + c bᵀ), but with c bᵀ alone in the coupling, where the
+    /// sharpest pair, b = (1, 0, 0), then gives nothing at all. What is left out is a component of g,
+    /// which is zero where H counts.
     #[must_use]
     pub fn plus(self, weight: T, b: &Vector3<T>, c: &Vector3<T>) -> Self {
         let half = number::<T>(0.5);
@@ -58,7 +60,7 @@ impl<T: RealField + Copy> Information<T> {
         let yz = (b.y * c.z + b.z * c.y) * half;
         Self {
             roll: self.roll + weight * (y + z),
-            coupling: self.coupling - (c.yz() * b.x + b.yz() * c.x) * (weight * half),
+            coupling: self.coupling - b.yz() * (weight * c.x),
             transverse: self.transverse + Matrix2::new(x + z, -yz, -yz, x + y) * weight,
         }
     }
@@ -82,32 +84,44 @@ impl<T: RealField + Copy> Information<T> {
 
     /// The smallest eigenvalue of a positive matrix.
     ///
-    /// Laguerre's iteration on the characteristic polynomial x³ − I₁x² + I₂x − I₃ from zero, from
-    /// where it rises to the smallest root and no further. I₃ is the product of `eliminated`'s
-    /// determinants, so a root of 10⁻¹² keeps its digits.
+    /// With q the mean eigenvalue and D = H − q I, the characteristic polynomial is y³ − J₂y − J₃ in
+    /// y = x − q, J₂ = ½ tr D², J₃ = det D, which stays exact when the eigenvalues are nearly equal.
+    /// Its *largest* root y₃ is found by Newton's method from the bound 2 √(J₂/3); the distance of
+    /// the other two is √(4 J₂ − 3 y₃²) and their product det H / x₃, where det H is a product of
+    /// determinants without cancellation: so a smallest eigenvalue of 10⁻¹² keeps its digits.
+    ///
+    /// Where x₂ and x₃ nearly coincide the steps only halve the error, but there an error δ of x₃
+    /// makes one of −δ in x₂, and x₁ = det H / (x₂ x₃) has δ² of it.
     pub fn smallest_eigenvalue(&self, eliminated: &Eliminated<T>) -> T {
-        /// Cubic convergence; where two roots coincide, linear.
-        const STEPS: usize = 4;
-        let (two, three, six) = (number::<T>(2.0), number::<T>(3.0), number::<T>(6.0));
+        const MAX_STEPS: usize = 12;
+        /// Squared, this is less than anyone asks of a margin.
+        const RELATIVE_STEP: f64 = 1e-4;
+        let (two, three, four) = (number::<T>(2.0), number::<T>(3.0), number::<T>(4.0));
         let t = &self.transverse;
-        let i1 = self.roll + t.trace();
-        let i2 = eliminated.transverse_determinant + self.roll * t.trace()
-            - self.coupling.norm_squared();
-        let i3 = eliminated.transverse_determinant * eliminated.roll;
-        let mut x = T::zero();
-        for _ in 0..STEPS {
-            let p = ((x - i1) * x + i2) * x - i3;
-            let p1 = (three * x - two * i1) * x + i2;
-            let p2 = six * x - two * i1;
-            let root = (two * (two * p1 * p1 - three * p * p2)).max(T::zero()).sqrt();
-            let denominator = p1 + root;
-            // Beyond the root only by rounding, or three roots in one.
-            if p >= T::zero() || denominator <= T::zero() {
+        let q = (self.roll + t.trace()) / three;
+        let (d1, d2, d3) = (self.roll - q, t.m11 - q, t.m22 - q);
+        let (c2, c3) = (self.coupling.x, self.coupling.y);
+        let off = c2 * c2 + c3 * c3 + t.m12 * t.m12;
+        let j2 = (d1 * d1 + d2 * d2 + d3 * d3) / two + off;
+        let j3 = d1 * (d2 * d3 - t.m12 * t.m12) - c2 * (c2 * d3 - t.m12 * c3)
+            + c3 * (c2 * t.m12 - d2 * c3);
+        let mut y3 = two * (j2 / three).sqrt();
+        for _ in 0..MAX_STEPS {
+            let p = (y3 * y3 - j2) * y3 - j3;
+            let slope = three * y3 * y3 - j2;
+            // Only rounding makes them negative here, or zero all eigenvalues being equal.
+            if p <= T::zero() || slope <= T::zero() {
                 break;
             }
-            x -= three * p / denominator;
+            let step = p / slope;
+            y3 -= step;
+            if step <= y3 * number(RELATIVE_STEP) {
+                break;
+            }
         }
-        x
+        let product = eliminated.transverse_determinant * eliminated.roll / (q + y3);
+        let distance = (four * j2 - three * y3 * y3).max(T::zero()).sqrt();
+        two * product / (two * q - y3 + distance)
     }
 }
 
@@ -117,12 +131,16 @@ impl<T: RealField + Copy> Eliminated<T> {
         Vector3::new(T::one(), -self.u.x, -self.u.y)
     }
 
-    /// The inverse of the matrix; `roll` must be positive.
-    pub fn inverse(&self) -> Matrix3<T> {
-        let n = self.weak_direction();
+    /// The inverse of the matrix, n nᵀ / roll + (transverse)⁻¹, in the axes from which `axes`
+    /// leads to those of the matrix. Sums of squares stand on its diagonal; `roll` must be positive.
+    pub fn inverse_in(&self, axes: &Matrix3<T>) -> Matrix3<T> {
+        let n = axes.tr_mul(&self.weak_direction());
+        let (y, z) = (axes.row(1).transpose(), axes.row(2).transpose());
         let t = &self.transverse_inverse;
-        let zero = T::zero();
-        n * (n / self.roll).transpose()
-            + Matrix3::new(zero, zero, zero, zero, t.m11, t.m12, zero, t.m21, t.m22)
+        let yz = y * z.transpose();
+        n * n.transpose() / self.roll
+            + y * y.transpose() * t.m11
+            + (yz + yz.transpose()) * t.m12
+            + z * z.transpose() * t.m22
     }
 }

@@ -31,20 +31,27 @@ use crate::frames::Rotation;
 /// 2 ε / s, whatever the weights: f32 accepts from s = 1.2e-3 rad (0.07 deg), f64 from 2e-12 rad. For pairs
 /// that contradict each other it is ε / margin: f32 accepts margins from 6e-4, f64 from 1e-12. Pairs that
 /// are parallel but for their own rounding have W ε ≈ nᵀHn and miss the bar by a factor of 5,000.
-pub(super) const MAX_TURN_BY_ROUNDING_RAD: f64 = 2e-4;
+pub(super) const MAX_TURN_BY_ROUNDING_RAD: f64 = 1e-3;
 
 /// A step this many times the effect of rounding is rounding.
 const STEP_IN_ROUNDINGS: f64 = 16.0;
 
+/// How well nᵀHn, the information about the weak direction, is to be known.
+const ROLL_RELATIVE: f64 = 0.01;
+
 /// Steps converge quadratically; a start that knows nothing but the sharpest pair needs three or four.
-const MAX_STEPS: usize = 8;
+const MAX_STEPS: usize = 12;
 
 /// The minimum of the loss, from the attitude that a method found, if it found one.
 pub(super) fn find<T: RealField + Copy>(
     problem: &Problem<'_, T>,
     start: Option<UnitQuaternion<T>>,
 ) -> Result<Estimate<T>, NoAttitude> {
-    let climb = Climb { problem, axes: problem.sharpest_body_axes() };
+    let climb = Climb {
+        problem,
+        axes: problem.sharpest_body_axes(),
+        smallest_information: T::default_epsilon() / number(MAX_TURN_BY_ROUNDING_RAD),
+    };
     let found = start.and_then(|start| climb.from(start).ok());
     found.map_or_else(|| climb.from(quaternion(&problem.aligned_with_sharpest())), Ok)
 }
@@ -53,6 +60,8 @@ struct Climb<'p, 'a, T: RealField + Copy> {
     problem: &'p Problem<'a, T>,
     /// From Body to axes along the sharpest measurement, in which everything here is expressed.
     axes: Matrix3<T>,
+    /// What stands above rounding, relative to weights of sum one.
+    smallest_information: T,
 }
 
 /// A pair in the axes of the climb.
@@ -60,44 +69,34 @@ struct Sight<T> {
     weight: T,
     b: Vector3<T>,
     c: Vector3<T>,
+    is_sharpest: bool,
 }
 
 impl<T: RealField + Copy> Climb<'_, '_, T> {
+    /// Steps until one is no more than rounding, and then the proof.
     fn from(&self, start: UnitQuaternion<T>) -> Result<Estimate<T>, NoAttitude> {
-        let rounding = T::default_epsilon() / number(MAX_TURN_BY_ROUNDING_RAD);
-        let not_unique = NoAttitude::NotUnique { margin: 0.0 };
+        let flat = NoAttitude::NotUnique { margin: 0.0 };
         let mut attitude = start;
-        let mut last = None;
         for _ in 0..MAX_STEPS {
             let (gradient, information) = self.slope(&attitude);
-            let eliminated = information.eliminate(rounding).ok_or(not_unique)?;
-            let step = Step::new(&gradient, &eliminated).ok_or(not_unique)?;
+            let eliminated = information.eliminate(self.smallest_information).ok_or(flat)?;
+            let step = Step::new(&gradient, &eliminated).ok_or(flat)?;
+            let amplification = self.amplification(&attitude, &eliminated);
             attitude = self.turned(&attitude, &step);
-            last = Some((information, eliminated, step.angle_squared));
-            if step.angle_squared <= T::default_epsilon() {
-                break;
+            if eliminated.roll > T::zero() && step.is_last(amplification) {
+                let margin = information.smallest_eigenvalue(&eliminated);
+                let turn_by_rounding = T::default_epsilon() * amplification;
+                let unique = turn_by_rounding <= number(MAX_TURN_BY_ROUNDING_RAD);
+                let covariance_rad2 = self.covariance().filter(|_| unique);
+                return Ok(Estimate {
+                    attitude: Rotation::from_hamilton(attitude),
+                    loss: self.problem.loss(&attitude),
+                    covariance_rad2: covariance_rad2.ok_or(NoAttitude::not_unique(margin))?,
+                    margin,
+                });
             }
         }
-        let (information, eliminated, angle_squared) = last.ok_or(not_unique)?;
-        if eliminated.roll <= T::zero() {
-            return Err(not_unique);
-        }
-        let margin = information.smallest_eigenvalue(&eliminated);
-        let spread = self.spread(&attitude, &eliminated.weak_direction());
-        let turn_by_rounding = T::default_epsilon() * spread / eliminated.roll;
-        let step_allowed = turn_by_rounding * number(STEP_IN_ROUNDINGS);
-        let converged = angle_squared <= T::default_epsilon().max(step_allowed * step_allowed);
-        let unique = turn_by_rounding <= number(MAX_TURN_BY_ROUNDING_RAD);
-        if converged && unique {
-            Ok(Estimate {
-                attitude: Rotation::from_hamilton(attitude),
-                loss: self.problem.loss(&attitude),
-                covariance_rad2: self.covariance(rounding).ok_or(not_unique)?,
-                margin,
-            })
-        } else {
-            Err(NoAttitude::not_unique(margin))
-        }
+        Err(flat)
     }
 
     /// Every pair, with the sharpest measurement exactly along the first axis.
@@ -106,35 +105,44 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
         let a = to_axes * attitude.to_rotation_matrix().into_inner();
         self.problem.pairs().map(move |pair| {
             let b = if pair.is_sharpest { Vector3::x() } else { to_axes * pair.body };
-            Sight { weight: pair.weight, b, c: a * pair.reference }
+            Sight { weight: pair.weight, b, c: a * pair.reference, is_sharpest: pair.is_sharpest }
         })
     }
 
     /// g and H.
     fn slope(&self, attitude: &UnitQuaternion<T>) -> (Vector3<T>, Information<T>) {
         self.sights(attitude).fold((Vector3::zeros(), Information::zero()), |(g, h), sight| {
-            let Sight { weight, b, c } = sight;
+            let Sight { weight, b, c, .. } = sight;
             (g + c.cross(&b) * weight, h.plus(weight, &b, &c))
         })
     }
 
-    /// W = Σ a_i (|n × b_i| + |n × c_i|), in the sum norm.
-    fn spread(&self, attitude: &UnitQuaternion<T>, n: &Vector3<T>) -> T {
-        self.sights(attitude).fold(T::zero(), |spread, Sight { weight, b, c }| {
-            spread + weight * (n.cross(&b).abs().sum() + n.cross(&c).abs().sum())
-        })
+    /// W / nᵀHn, W = Σ a_i (|n × b_i| + |n × c_i|) in the sum norm: how far an error of all
+    /// components turns the attitude about n. The sharpest pair lacks the second term: an error of
+    /// its measurement turns the axes of the climb, not the attitude in them.
+    fn amplification(&self, attitude: &UnitQuaternion<T>, eliminated: &Eliminated<T>) -> T {
+        let n = eliminated.weak_direction();
+        let spread = self.sights(attitude).fold(T::zero(), |spread, sight| {
+            let Sight { weight, b, c, is_sharpest } = sight;
+            let reference = n.cross(&b).abs().sum();
+            let body = if is_sharpest { T::zero() } else { n.cross(&c).abs().sum() };
+            spread + weight * (reference + body)
+        });
+        spread / eliminated.roll.abs()
     }
 
     /// [Σ σ_i⁻² (I − b_i b_iᵀ)]⁻¹, Body, rad².
-    fn covariance(&self, rounding: T) -> Option<Matrix3<T>> {
+    fn covariance(&self) -> Option<Matrix3<T>> {
         let information = self
             .sights(&UnitQuaternion::identity())
             .fold(Information::zero(), |information, Sight { weight, b, .. }| {
                 information.plus(weight, &b, &b)
             });
-        let eliminated = information.eliminate(rounding).filter(|e| e.roll > T::zero())?;
-        let covariance = eliminated.inverse() * self.problem.variance_rad2();
-        Some(self.axes.tr_mul(&(covariance * self.axes)))
+        let eliminated = information
+            .eliminate(self.smallest_information)
+            .filter(|eliminated| eliminated.roll > T::zero())?;
+        let covariance = eliminated.inverse_in(&self.axes) * self.problem.variance_rad2();
+        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
     }
 
     fn turned(&self, attitude: &UnitQuaternion<T>, step: &Step<T>) -> UnitQuaternion<T> {
@@ -144,12 +152,15 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
     }
 }
 
-/// A rotation as a quaternion, not yet of unit length.
+/// A small rotation δ that follows the loss downhill.
 struct Step<T> {
+    /// Scalar part of its quaternion, which is not yet of unit length.
     scalar: T,
     vector: Vector3<T>,
-    /// Square of twice |vector| / scalar, which is the angle where it is small.
-    angle_squared: T,
+    /// tan φ/2, φ the part about the weak direction.
+    about_weak: T,
+    /// The part across it, rad.
+    across: T,
 }
 
 impl<T: RealField + Copy> Step<T> {
@@ -158,7 +169,7 @@ impl<T: RealField + Copy> Step<T> {
         let (one, two) = (T::one(), number::<T>(2.0));
         let transverse = gradient.yz();
         let along = gradient.x - eliminated.u.dot(&transverse);
-        let delta: Vector2<T> = eliminated.transverse_inverse * transverse;
+        let across: Vector2<T> = eliminated.transverse_inverse * transverse;
         // (cos φ, sin φ) ∝ (nᵀHn, nᵀg), scaled first: both may be as small as the lightest weight.
         let scale = along.abs().max(eliminated.roll.abs());
         if scale <= T::zero() {
@@ -174,9 +185,19 @@ impl<T: RealField + Copy> Step<T> {
             (sine.abs(), (one - cosine).copysign(sine))
         };
         let vector = eliminated.weak_direction() * about_n
-            + Vector3::new(T::zero(), delta.x, delta.y) * (scalar / two);
-        let angle_squared = two * two * vector.norm_squared() / (scalar * scalar);
+            + Vector3::new(T::zero(), across.x, across.y) * (scalar / two);
         let finite = (scalar + vector.x + vector.y + vector.z).is_finite();
-        finite.then_some(Self { scalar, vector, angle_squared })
+        finite.then(|| Self { scalar, vector, about_weak: about_n / scalar, across: across.norm() })
+    }
+
+    /// Whether, once this step is made, the next would be rounding: what is left of it is its square.
+    /// And whether nᵀHn is known, on which a step across n has the effect W `across`; where pairs are
+    /// parallel nothing else is in nᵀHn.
+    fn is_last(&self, amplification: T) -> bool {
+        let quadratic = T::default_epsilon().sqrt();
+        let rounding = T::default_epsilon() * number(STEP_IN_ROUNDINGS) * amplification;
+        self.about_weak.abs() <= quadratic.max(rounding)
+            && self.across <= quadratic
+            && self.across * amplification <= number(ROLL_RELATIVE)
     }
 }

@@ -9,9 +9,11 @@
 //! t₁ = b₁, t₂ = b₁ × b₂ / s, t₃ = t₁ × t₂; u₁, u₂, u₃ likewise from r; A = Σ t_k u_kᵀ
 //!
 //! Error in Body: across b₁ it is that of b₁. The turn about b₁ takes over the error of b₂ across
-//! the plane of the two, divided by s, and c/s of that of b₁; so
+//! the plane of the two, divided by s, and c/s of that of b₁ about t₃; so with v = t₃ − (c/s) t₁
 //!
-//! P = σ₁² I + [(σ₂² − σ₁²) b₁b₁ᵀ + σ₁² c (b₁b₂ᵀ + b₂b₁ᵀ)] / s²
+//! P = σ₁² (t₂t₂ᵀ + v vᵀ) + (σ₂/s)² t₁t₁ᵀ
+//!
+//! (Shuster and Oh's covariance, written as a sum of squares.)
 //!
 //! Source: Black (1964), AIAA J. 2(7); covariance Shuster & Oh (1981), J. Guidance and Control 4(1).
 
@@ -43,7 +45,7 @@ pub(super) fn solve<T: RealField + Copy>(
     Ok(Estimate {
         attitude: Rotation::from_hamilton(attitude),
         loss: problem.loss(&attitude),
-        covariance_rad2: covariance(pairs, sine),
+        covariance_rad2: covariance(pairs, &t, sine),
         margin,
     })
 }
@@ -57,14 +59,17 @@ fn triad<T: RealField + Copy>(v1: &Vector3<T>, v2: &Vector3<T>) -> Option<(Matri
 }
 
 /// P, rad².
-fn covariance<T: RealField + Copy>(pairs: &[Observation<T>; 2], sine: T) -> Matrix3<T> {
-    let [anchor, second] = pairs;
-    let (b1, b2) = (anchor.units().0, second.units().0);
-    let variance_1 = anchor.sigma_rad() * anchor.sigma_rad();
-    let variance_2 = second.sigma_rad() * second.sigma_rad();
-    let mixed = b1 * b2.transpose() * (variance_1 * b1.dot(&b2));
-    let about_anchor = b1 * b1.transpose() * (variance_2 - variance_1);
-    Matrix3::identity() * variance_1 + (about_anchor + mixed + mixed.transpose()) / (sine * sine)
+fn covariance<T: RealField + Copy>(
+    [anchor, second]: &[Observation<T>; 2],
+    t: &Matrix3<T>,
+    sine: T,
+) -> Matrix3<T> {
+    let (sigma_1, sigma_2) = (anchor.sigma_rad(), second.sigma_rad() / sine);
+    let cosine = anchor.units().0.dot(&second.units().0);
+    let [t1, t2, t3] = [t.column(0), t.column(1), t.column(2)];
+    let v = t3 - t1 * (cosine / sine);
+    (t2 * t2.transpose() + v * v.transpose()) * (sigma_1 * sigma_1)
+        + t1 * t1.transpose() * (sigma_2 * sigma_2)
 }
 
 /// s₂ of B for two pairs (s₃ = 0), from s₁ s₂ = a₁ a₂ |b₁ × b₂| |r₁ × r₂| and

@@ -2,7 +2,14 @@
 
 #![forbid(unsafe_code)]
 
+pub mod columns;
 pub mod emulator;
+pub mod ephemeris;
 pub mod flight;
 pub mod mission;
 pub mod report;
+pub mod shadow;
+pub mod span;
+pub mod table;
+pub mod tle_file;
+pub mod tle_report;

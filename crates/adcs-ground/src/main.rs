@@ -26,6 +26,12 @@ enum Command {
     Fly(commands::fly::Args),
     Report(commands::report::Args),
     Mission(commands::mission::Args),
+    Propagate(commands::propagate::Args),
+    Tle(commands::tle::Args),
+    Field(commands::field::Args),
+    Sun(commands::sun::Args),
+    Frames(commands::frames::Args),
+    Eclipse(commands::eclipse::Args),
 }
 
 fn main() -> ExitCode {
@@ -33,6 +39,12 @@ fn main() -> ExitCode {
         Command::Fly(args) => commands::fly::run(&args),
         Command::Report(args) => commands::report::run(&args),
         Command::Mission(args) => commands::mission::run(&args),
+        Command::Propagate(args) => Ok(commands::propagate::run(&args)),
+        Command::Tle(args) => Ok(commands::tle::run(&args)),
+        Command::Field(args) => Ok(commands::field::run(&args)),
+        Command::Sun(args) => Ok(commands::sun::run(&args)),
+        Command::Frames(args) => Ok(commands::frames::run(&args)),
+        Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

@@ -1,6 +1,13 @@
 //! The commands of `adcs`, one a file.
 
 mod console;
+pub mod eclipse;
+pub mod field;
+mod files;
 pub mod fly;
+pub mod frames;
 pub mod mission;
+pub mod propagate;
 pub mod report;
+pub mod sun;
+pub mod tle;

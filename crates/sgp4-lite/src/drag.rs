@@ -32,7 +32,7 @@ pub(crate) struct Drag {
     pub bstar_c4: f64,
     /// 3/2 C₁: the mean longitude grows by n₀ · 3/2 C₁t².
     pub longitude_t2: f64,
-    /// 21/2 · …: Ω grows by this times t².
+    /// 7/2 β₀² times the first-order rate of Ω, times C₁: Ω grows by this times t².
     pub raan_t2: f64,
 }
 
@@ -57,6 +57,9 @@ pub(crate) struct HigherDrag {
 }
 
 /// The density law ρ = ρ₀ ((q₀ − s)/(r − s))⁴, fitted to the height of the perigee.
+///
+/// q₀ is 120 km high. s is 78 km high, for perigees below 156 km 78 km below the perigee, and for
+/// perigees below 98 km 20 km high.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct DensityFit {
     s: f64,

@@ -1,4 +1,4 @@
-//! SGP4 orbit propagation for microcontrollers: TLE in, TEME position and velocity out.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -19,7 +19,7 @@ use crate::periodic::{MeanState, position_and_velocity};
 use crate::{Epoch, Error, State};
 use core::f64::consts::{PI, TAU};
 use geopotential::{HalfDay, Synchronous};
-use lunisolar::{Lunisolar, PeriodicChanges};
+use lunisolar::{ElementChanges, Lunisolar, PeriodicChanges};
 use resonance::{PerigeeMotion, Pull, Resonance, Start};
 
 /// Julian date of 1900 January 0.5, from which the places of Sun and Moon are counted in days.
@@ -71,49 +71,9 @@ impl DeepSpace {
         let (midnight, fraction) = epoch.julian_date();
         let julian_date = midnight + fraction;
         let lunisolar = Lunisolar::new(&orbit, julian_date - JULIAN_DATE_1900);
-        let mut deep_space = Self {
-            orbit,
-            rates,
-            drag,
-            lunisolar,
-            greenwich_at_epoch: greenwich_sidereal_time(julian_date),
-            resonance: None,
-        };
-        deep_space.resonance = deep_space.resonance();
-        Ok(deep_space)
-    }
-
-    /// The resonance that the orbit is in, if any.
-    fn resonance(&self) -> Option<Resonance> {
-        let orbit = &self.orbit;
-        let n = orbit.mean_motion;
-        let (zonal, third_bodies) = (&self.rates, &self.lunisolar.rates);
-        let anomaly_rate = zonal.mean_anomaly + third_bodies.mean_anomaly;
-        let raan_rate = zonal.raan + third_bodies.raan;
-        let perigee_rate = zonal.argument_of_perigee + third_bodies.argument_of_perigee;
-        let (longitude, longitude_rate, pull) = if n > SYNCHRONOUS_ABOVE && n < SYNCHRONOUS_BELOW {
-            // λ = M + Ω + ω − Θ
-            let longitude = orbit.mean_anomaly + orbit.raan + orbit.argument_of_perigee
-                - self.greenwich_at_epoch;
-            let rate = anomaly_rate + raan_rate + perigee_rate - EARTH_RATE_RAD_PER_MIN;
-            (longitude, rate, Pull::Synchronous(Synchronous::new(orbit)))
-        } else if (HALF_DAY_FROM..=HALF_DAY_TO).contains(&n)
-            && orbit.eccentricity >= HALF_DAY_LEAST_ECCENTRICITY
-        {
-            // λ = M + 2Ω − 2Θ
-            let longitude = orbit.mean_anomaly + 2.0 * (orbit.raan - self.greenwich_at_epoch);
-            let rate = anomaly_rate + 2.0 * (raan_rate - EARTH_RATE_RAD_PER_MIN);
-            let perigee = PerigeeMotion {
-                at_epoch: orbit.argument_of_perigee,
-                rate: zonal.argument_of_perigee,
-            };
-            (longitude, rate, Pull::HalfDay(HalfDay::new(orbit), perigee))
-        } else {
-            return None;
-        };
-        let start =
-            Start { longitude, mean_motion: n, longitude_rate_without_n: longitude_rate - n };
-        Some(Resonance { start, pull })
+        let greenwich_at_epoch = greenwich_sidereal_time(julian_date);
+        let resonance = resonance_of(&orbit, &rates, &lunisolar.rates, greenwich_at_epoch);
+        Ok(Self { orbit, rates, drag, lunisolar, greenwich_at_epoch, resonance })
     }
 
     /// Position and velocity (TEME) at `t` minutes from the epoch.
@@ -181,6 +141,45 @@ impl DeepSpace {
                 + (zonal.argument_of_perigee + third_bodies.argument_of_perigee) * t,
             mean_anomaly: orbit.mean_anomaly + (zonal.mean_anomaly + third_bodies.mean_anomaly) * t,
         }
+    }
+}
+
+/// The resonance that an orbit is in, if any.
+fn resonance_of(
+    orbit: &MeanOrbit,
+    zonal: &SecularRates,
+    third_bodies: &ElementChanges,
+    greenwich_at_epoch: f64,
+) -> Option<Resonance> {
+    let n = orbit.mean_motion;
+    let anomaly_rate = zonal.mean_anomaly + third_bodies.mean_anomaly;
+    let raan_rate = zonal.raan + third_bodies.raan;
+    let perigee_rate = zonal.argument_of_perigee + third_bodies.argument_of_perigee;
+    if n > SYNCHRONOUS_ABOVE && n < SYNCHRONOUS_BELOW {
+        let start = Start {
+            // λ = M + Ω + ω − Θ
+            longitude: orbit.mean_anomaly + orbit.raan + orbit.argument_of_perigee
+                - greenwich_at_epoch,
+            mean_motion: n,
+            longitude_rate_without_n: anomaly_rate + raan_rate + perigee_rate
+                - EARTH_RATE_RAD_PER_MIN
+                - n,
+        };
+        Some(Resonance { start, pull: Pull::Synchronous(Synchronous::new(orbit)) })
+    } else if (HALF_DAY_FROM..=HALF_DAY_TO).contains(&n)
+        && orbit.eccentricity >= HALF_DAY_LEAST_ECCENTRICITY
+    {
+        let start = Start {
+            // λ = M + 2Ω − 2Θ
+            longitude: orbit.mean_anomaly + 2.0 * (orbit.raan - greenwich_at_epoch),
+            mean_motion: n,
+            longitude_rate_without_n: anomaly_rate + 2.0 * (raan_rate - EARTH_RATE_RAD_PER_MIN) - n,
+        };
+        let perigee =
+            PerigeeMotion { at_epoch: orbit.argument_of_perigee, rate: zonal.argument_of_perigee };
+        Some(Resonance { start, pull: Pull::HalfDay(HalfDay::new(orbit), perigee) })
+    } else {
+        None
     }
 }
 

@@ -33,6 +33,7 @@
 mod davenport;
 mod foam;
 mod information;
+pub mod mekf;
 mod observation;
 mod optimum;
 mod problem;
@@ -43,6 +44,7 @@ mod triad;
 use core::fmt;
 
 use nalgebra::{Matrix3, RealField, Rotation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
 pub use observation::{Observation, ObservationError, Side};
 
@@ -51,7 +53,7 @@ use davenport::Profile;
 use problem::Problem;
 
 /// How the attitude is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
     /// From the first two pairs, of which the first is trusted completely (TRIAD).

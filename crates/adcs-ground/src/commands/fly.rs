@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_ground::emulator::Emulator;
-use adcs_ground::flight::{Ending, Flight, Flown, Folder, World, compare, host, image};
+use adcs_ground::flight::{
+    Counterpart, Ending, Flight, Flown, Folder, World, compare, host, image,
+};
 use adcs_ground::mission::{self, Mission};
 use adcs_ground::report::{self, Summary};
 use anyhow::{Context as _, Result};
@@ -90,7 +92,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         let folder = Folder::prepare(out.join("m4"))?;
         flights.push(fly(args, &mission, &folder, Some(emulator), &stop)?);
     }
-    let equal = compare(&flights)?;
+    let equal = compare(&mut flights)?;
     if stop.is_wanted() {
         return Ok(ExitCode::from(INTERRUPTED));
     }
@@ -108,6 +110,7 @@ fn emulator(args: &Args) -> Result<Emulator> {
 
 /// A flight that is over.
 struct Done {
+    folder: Folder,
     flight: Flight,
     flown: Flown,
 }
@@ -133,7 +136,7 @@ fn fly(
     let flown = Flown::read(&folder.records())?;
     let summary = report::make_of(folder, &flight, &flown)?;
     print(&summary, folder, args.quiet);
-    Ok(Done { flight, flown })
+    Ok(Done { folder: folder.clone(), flight, flown })
 }
 
 fn print(summary: &Summary, folder: &Folder, quiet: bool) {
@@ -158,14 +161,24 @@ fn print(summary: &Summary, folder: &Folder, quiet: bool) {
     println!("  report   {}", folder.report().display());
 }
 
-/// Says whether two flights were the same; true when there is nothing to compare.
-fn compare(flights: &[Done]) -> Result<bool> {
+/// Says whether two flights were the same, here and in their reports; true when there is nothing to
+/// compare.
+fn compare(flights: &mut [Done]) -> Result<bool> {
     let [host, m4] = flights else { return Ok(true) };
-    if let Some(difference) = compare::first_difference(&host.flown, &m4.flown)? {
-        println!("different: host and m4 part at {difference}");
-        return Ok(false);
-    }
+    let difference = compare::first_difference(&host.flown, &m4.flown)?;
+    let difference = difference.map(|difference| difference.to_string());
     let whole = host.flown.is_whole() && m4.flown.is_whole();
-    println!("{}", if whole { "equal" } else { "equal as far as both were flown" });
-    Ok(whole)
+    match &difference {
+        Some(difference) => println!("different: host and m4 part at {difference}"),
+        None if whole => println!("equal"),
+        None => println!("equal as far as both were flown"),
+    }
+    if whole {
+        for (done, world) in [(host, World::M4), (m4, World::Host)] {
+            done.flight.counterpart = Some(Counterpart { world, difference: difference.clone() });
+            done.folder.write_flight(&done.flight)?;
+            report::make_of(&done.folder, &done.flight, &done.flown)?;
+        }
+    }
+    Ok(whole && difference.is_none())
 }

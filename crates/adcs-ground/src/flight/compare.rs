@@ -108,7 +108,10 @@ impl fmt::Display for Difference {
                 write!(f, "cycle {cycle} (t = {time_s} s), {field}: {first} against {second}")
             }
             Self::Length { first, second } => {
-                write!(f, "the same as far as both go, but one has {first} cycles, the other {second}")
+                write!(
+                    f,
+                    "the same as far as both go, but one has {first} cycles, the other {second}"
+                )
             }
         }
     }

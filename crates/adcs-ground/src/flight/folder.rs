@@ -10,14 +10,8 @@ use super::Flight;
 
 /// Everything that a flight or its report may leave in a folder; removed before the next flight, so
 /// that nothing of an older one stands beside it.
-const FILES: [&str; 6] = [
-    "flight.json",
-    "records.bin",
-    "scenario.bin",
-    "history.csv",
-    "summary.json",
-    "report.html",
-];
+const FILES: [&str; 6] =
+    ["flight.json", "records.bin", "scenario.bin", "history.csv", "summary.json", "report.html"];
 const PLOTS: &str = "plots";
 
 /// The folder of one flight.

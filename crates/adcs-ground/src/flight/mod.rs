@@ -69,12 +69,23 @@ pub struct Flight {
     pub ending: Ending,
     /// How long it took, seconds of this computer's time; `None` while it is unfinished.
     pub wall_s: Option<f64>,
+    /// The same mission in the other world, when both were flown together.
+    pub counterpart: Option<Counterpart>,
+}
+
+/// The same mission in the other world.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counterpart {
+    /// Which.
+    pub world: World,
+    /// Where the two part for the first time; `None` when they were the same to the bit.
+    pub difference: Option<String>,
 }
 
 impl Flight {
     /// One that is about to begin.
     pub fn beginning(mission: Mission, world: World) -> Self {
-        Self { mission, world, ending: Ending::Unfinished, wall_s: None }
+        Self { mission, world, ending: Ending::Unfinished, wall_s: None, counterpart: None }
     }
 }
 

@@ -27,8 +27,8 @@ impl Writer {
     /// # Errors
     /// When it cannot be written.
     pub fn create(path: &Path) -> Result<Self> {
-        let file = File::create(path)
-            .with_context(|| format!("{} cannot be written", path.display()))?;
+        let file =
+            File::create(path).with_context(|| format!("{} cannot be written", path.display()))?;
         Ok(Self { path: path.to_owned(), file: BufWriter::new(file), flushed: Instant::now() })
     }
 
@@ -89,8 +89,7 @@ impl Flown {
     /// # Errors
     /// When the file cannot be read, or holds no records of this version.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes =
-            fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         Self::decode(bytes).with_context(|| format!("{}", path.display()))
     }
 
@@ -107,8 +106,7 @@ impl Flown {
                 message::VERSION
             );
         }
-        let mut flown =
-            Self { hello, steps: Vec::new(), end: None, digest: 0, lost_frames: 0 };
+        let mut flown = Self { hello, steps: Vec::new(), end: None, digest: 0, lost_frames: 0 };
         let mut digest = Digest::default();
         let mut last_truth = None;
         for frame in frames.filter(|frame| !frame.is_empty()) {
@@ -217,7 +215,9 @@ pub(crate) mod tests {
         }
         all.push(Message::End(End { cycles: steps, digest: digest.value(), violations: 0 }));
         let mut buffer = [0; MAX_FRAME];
-        all.iter().flat_map(|message| frame::encode(message, &mut buffer).unwrap().to_vec()).collect()
+        all.iter()
+            .flat_map(|message| frame::encode(message, &mut buffer).unwrap().to_vec())
+            .collect()
     }
 
     #[test]

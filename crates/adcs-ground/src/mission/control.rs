@@ -65,7 +65,9 @@ pub(super) fn schedule(root: &Section, cycle_us: Option<u32>) -> Option<Schedule
     let parameters = ScheduleParameters { on_us: on_us? as u32, off_us: off_us? as u32 };
     let Err(error) = Schedule::new(&parameters, cycle_us?) else { return Some(parameters) };
     let (key, advice) = match error {
-        ScheduleError::NeverActs => ("on_s", "for a flight without control write law.kind = \"none\""),
+        ScheduleError::NeverActs => {
+            ("on_s", "for a flight without control write law.kind = \"none\"")
+        }
         ScheduleError::NeverRests => ("off_s", "the field is measured while the torquers rest"),
         ScheduleError::NotWholeCycles { found_us, .. } if found_us == parameters.on_us => {
             ("on_s", "change it or mission.cycle_s")

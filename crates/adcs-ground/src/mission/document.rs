@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
@@ -131,18 +131,17 @@ fn base_of(
     sources: &Sources,
     path: &Path,
     table: &Table,
-) -> Result<Option<(PathBuf, Option<Place>)>, Problem> {
+) -> Result<Option<(PathBuf, Option<Place>)>, MissionError> {
     let Some(Entry { item: Item { place, value }, .. }) = table.entries.get("base") else {
         return Ok(None);
     };
-    let refuse = |reason| Problem::at(sources, *place, "base", Fault::new(reason));
+    let refuse =
+        |reason| MissionError::from(Problem::at(sources, *place, "base", Fault::new(reason)));
     let Value::Text(name) = value else {
         return Err(refuse(format!("expected the path of a file, found {}", value.kind())));
     };
-    let base = path.parent().unwrap_or(Path::new("")).join(name);
-    let same = |(other, _): &(PathBuf, String)| {
-        matches!((fs::canonicalize(other), fs::canonicalize(&base)), (Ok(a), Ok(b)) if a == b)
-    };
+    let base = without_detours(&path.parent().unwrap_or(Path::new("")).join(name));
+    let same = |(other, _): &(PathBuf, String)| matches!((fs::canonicalize(other), fs::canonicalize(&base)), (Ok(a), Ok(b)) if a == b);
     if sources.files.iter().any(same) {
         return Err(refuse("the file is its own base, directly or through others".to_owned()));
     }
@@ -150,6 +149,21 @@ fn base_of(
         return Err(refuse(format!("more than {MAX_FILES} files build on each other")));
     }
     Ok(Some((base, Some(*place))))
+}
+
+/// `a/../b` as `b`, for shorter messages.
+fn without_detours(path: &Path) -> PathBuf {
+    let mut short = PathBuf::new();
+    for part in path.components() {
+        let last_is_name = matches!(short.components().next_back(), Some(Component::Normal(_)));
+        match part {
+            Component::ParentDir if last_is_name => {
+                short.pop();
+            }
+            part => short.push(part),
+        }
+    }
+    short
 }
 
 fn parse(sources: &Sources, file: usize) -> Result<Table, MissionError> {

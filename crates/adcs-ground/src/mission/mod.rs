@@ -30,8 +30,8 @@ use adcs_sim::world::World;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-pub use problem::{MissionError, Problem};
 use problem::{Fault, Sources};
+pub use problem::{MissionError, Problem};
 use section::{Problems, Section};
 
 /// The quaternion of axes that are those of Body.

@@ -10,7 +10,8 @@ use super::problem::Fault;
 use super::section::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE, Section};
 
 /// From a black surface to a mirror.
-const REFLECTIVITY: Check = Check::new(|x| (1.0..=2.0).contains(&x), "from 1 (black) to 2 (mirror)");
+const REFLECTIVITY: Check =
+    Check::new(|x| (1.0..=2.0).contains(&x), "from 1 (black) to 2 (mirror)");
 /// Drag coefficients of satellites lie between 2 and 4; flight below 1 or above 5 does not occur.
 const DRAG: Check = Check::new(|x| (1.0..=5.0).contains(&x), "from 1 to 5");
 
@@ -75,12 +76,7 @@ fn accept_inertia(section: &Section, rows: &[[f64; 3]; 3]) -> bool {
 
 /// A box can have no larger moment about an axis than with all its mass in the corners,
 /// m (b² + c²) / 4. What exceeds that was written in another unit.
-fn compare_with_box(
-    section: &Section,
-    inertia: &[[f64; 3]; 3],
-    mass_kg: f64,
-    [a, b, c]: [f64; 3],
-) {
+fn compare_with_box(section: &Section, inertia: &[[f64; 3]; 3], mass_kg: f64, [a, b, c]: [f64; 3]) {
     for (axis, (first, second)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
         let largest = mass_kg * (first * first + second * second) / 4.0;
         let found = inertia[axis][axis];
@@ -164,8 +160,8 @@ pub(super) fn torquers(root: &Section) -> Option<Torquers> {
     let errors = errors?;
     let scale = errors.vector_or("scale", NOT_ZERO, [1.0; 3]);
     let turned = errors.vector_or("misalignment_deg", FINITE, [0.0; 3]);
-    let off = errors
-        .choices("switched_off", &[("scale", "scale"), ("misalignment", "misalignment")]);
+    let off =
+        errors.choices("switched_off", &[("scale", "scale"), ("misalignment", "misalignment")]);
     errors.finish();
 
     let (max_dipole_am2, alignment, off) = (max_dipole_am2?, alignment?, off?);
@@ -177,12 +173,12 @@ pub(super) fn torquers(root: &Section) -> Option<Torquers> {
         section.refuse("max_dipole_am2", Fault::new(error.to_string()));
     }
     let scale = if off.contains(&"scale") { [1.0; 3] } else { scale? };
-    let nominal: Rotation<TorquerAxes, Body, f64> =
-        Rotation::from_attitude_quaternion(alignment)?;
-    let true_alignment_xyzw = match misalignment::<TorquerAxes>(turned?, off.contains(&"misalignment")) {
-        None => alignment,
-        Some(turned) => (turned.inverse() * nominal).attitude_quaternion(),
-    };
+    let nominal: Rotation<TorquerAxes, Body, f64> = Rotation::from_attitude_quaternion(alignment)?;
+    let true_alignment_xyzw =
+        match misalignment::<TorquerAxes>(turned?, off.contains(&"misalignment")) {
+            None => alignment,
+            Some(turned) => (turned.inverse() * nominal).attitude_quaternion(),
+        };
     Some(Torquers {
         parameters,
         steps: steps? as u16,

@@ -284,11 +284,7 @@ impl<'a> Section<'a> {
         Some(self.read(key, |item| choice(item, choices))?.unwrap_or(default))
     }
 
-    pub fn choice<T: Copy>(
-        &self,
-        key: &'static str,
-        choices: &[(&'static str, T)],
-    ) -> Option<T> {
+    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Option<T> {
         self.required(key, |item| choice(item, choices))
     }
 
@@ -320,9 +316,10 @@ impl<'a> Section<'a> {
     pub fn section_or_empty(&self, key: &'static str) -> Option<Self> {
         const EMPTY: &Table = &Table { entries: std::collections::BTreeMap::new() };
         let section = self.optional_section(key)?;
-        Some(section.unwrap_or_else(|| {
-            Self::new(self.problems, self.path_of(key), self.place, EMPTY)
-        }))
+        Some(
+            section
+                .unwrap_or_else(|| Self::new(self.problems, self.path_of(key), self.place, EMPTY)),
+        )
     }
 
     fn optional_section(&self, key: &'static str) -> Option<Option<Self>> {
@@ -438,9 +435,10 @@ fn mismatch(wanted: &str, found: &Value) -> Fault {
 fn number(item: &Item, check: Check) -> Result<f64, (Place, Fault)> {
     match item.value {
         Value::Number { value, .. } if (check.holds)(value) => Ok(value),
-        Value::Number { value, .. } => {
-            Err((item.place, Fault::new(format!("{value} is impossible: must be {}", check.wanted))))
-        }
+        Value::Number { value, .. } => Err((
+            item.place,
+            Fault::new(format!("{value} is impossible: must be {}", check.wanted)),
+        )),
         ref other => Err((item.place, mismatch("a number", other))),
     }
 }

@@ -109,7 +109,8 @@ fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) ->
     let calibration = section.section_or_empty("calibration");
     let errors = section.section_or_empty("errors");
     section.finish();
-    let calibration = calibration.and_then(|below| self::calibration::<S>(&below, kind, alignment?));
+    let calibration =
+        calibration.and_then(|below| self::calibration::<S>(&below, kind, alignment?));
     let errors = errors.and_then(|below| self::errors::<S>(&below, kind, alignment?));
 
     let wiring = AnalogTriadConfig {

@@ -1,11 +1,18 @@
 //! What a flight looks like: history, summary, plots, and a page that shows them.
 
+pub mod chart;
 pub mod damping;
+mod facts;
 pub mod history;
+mod page;
+pub mod plots;
 pub mod rows;
 pub mod summary;
+pub mod words;
 
-use anyhow::{Result, bail};
+use std::fs;
+
+use anyhow::{Context as _, Result, bail};
 
 use crate::flight::folder;
 use crate::flight::{Flight, Flown, Folder};
@@ -36,5 +43,13 @@ pub fn make_of(folder: &Folder, flight: &Flight, flown: &Flown) -> Result<Summar
     let mut text = serde_json::to_string_pretty(&summary)?;
     text.push('\n');
     folder::write(&folder.summary(), text)?;
+    let plots = plots::plots(&rows)?;
+    let plot_folder = folder.plots();
+    fs::create_dir_all(&plot_folder)
+        .with_context(|| format!("{} cannot be made", plot_folder.display()))?;
+    for plot in &plots {
+        folder::write(&plot_folder.join(plot.name).with_extension("svg"), &plot.svg)?;
+    }
+    folder::write(&folder.report(), page::page(flight, flown, &summary, &plots))?;
     Ok(summary)
 }

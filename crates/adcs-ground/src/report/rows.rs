@@ -5,6 +5,7 @@ use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Phase;
 use adcs_core::time::Utc;
+use adcs_link::TruthRecord;
 
 use crate::flight::Flown;
 use crate::flight::records::Step;
@@ -57,8 +58,7 @@ pub struct Row {
     pub saturated: [bool; 3],
     /// Kinetic energy of turning, J.
     pub energy_j: f64,
-    /// Power of the control torque, ω · (m × B), at this instant with the dipole that acts from it
-    /// on, W.
+    /// Power of the control torque, ω · (m × B), over this cycle: the mean of its two ends, W.
     pub control_power_w: Option<f64>,
     /// Whether the Sun was in sight.
     pub sunlit: bool,
@@ -71,21 +71,24 @@ pub fn rows(flown: &Flown) -> Vec<Row> {
 }
 
 fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row {
-    let r_bi: Rotation<Body, Eci, f64> =
-        Rotation::from_attitude_quaternion(truth.attitude_xyzw).unwrap_or_else(Rotation::identity);
-    let omega: Vector<Body, f64> = vector(truth.omega_bi_rad_s);
-    let field: Vector<Body, f64> = r_bi * vector(truth.field_eci_t);
+    let field = field_in_body(truth);
     // The next truth tells what the torquers carried up to it, that is, through this cycle.
-    let follows = |next: &&Step| next.truth.cycle == truth.cycle + 1;
-    let dipole_am2 = next.filter(follows).map(|next| next.truth.torquer_dipole_body_am2);
-    let power = |dipole: [f64; 3]| omega.dot(&vector::<Body>(dipole).cross(&field));
+    let next = next.map(|next| next.truth).filter(|next| next.cycle == truth.cycle + 1);
+    let power = |at: &TruthRecord, dipole: [f64; 3]| {
+        let omega: Vector<Body, f64> = vector(at.omega_bi_rad_s);
+        omega.dot(&vector::<Body>(dipole).cross(&field_in_body(at)))
+    };
+    let mean_power = |next: TruthRecord| {
+        let dipole = next.torquer_dipole_body_am2;
+        (power(truth, dipole) + power(&next, dipole)) / 2.0
+    };
     Row {
         cycle: record.cycle,
         time_s: flown.time_s(record.cycle),
         utc: record.utc,
         phase: record.phase,
         rate_deg_s: truth.omega_bi_rad_s.map(f64::to_degrees),
-        rate_norm_deg_s: omega.norm().to_degrees(),
+        rate_norm_deg_s: norm(truth.omega_bi_rad_s).to_degrees(),
         attitude_xyzw: truth.attitude_xyzw,
         position_km: truth.position_eci_m.map(|m| m / 1e3),
         field_nt: field.to_array().map(|t| t * NT_PER_T),
@@ -105,13 +108,21 @@ fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row
             .map(|field| norm(field.map(f64::from)) * NT_PER_T),
         commanded_am2: record.commanded_am2.map(f64::from),
         driven_am2: record.driven_am2.map(|dipole| dipole.map(f64::from)),
-        dipole_am2,
+        dipole_am2: next.map(|next| next.torquer_dipole_body_am2),
         control: record.control,
         saturated: record.saturated,
         energy_j: truth.kinetic_energy_j,
-        control_power_w: dipole_am2.map(power),
+        control_power_w: next.map(mean_power),
         sunlit: truth.sunlit,
     }
+}
+
+/// The true field, T.
+fn field_in_body(truth: &TruthRecord) -> Vector<Body, f64> {
+    // The truth's quaternion has length one.
+    let r_bi: Rotation<Body, Eci, f64> =
+        Rotation::from_attitude_quaternion(truth.attitude_xyzw).unwrap_or_else(Rotation::identity);
+    r_bi * vector(truth.field_eci_t)
 }
 
 fn vector<F>([x, y, z]: [f64; 3]) -> Vector<F, f64> {

@@ -112,9 +112,9 @@ pub struct Torquers {
 /// What the control torque did to the tumble.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Control {
-    /// Work of the control torque over the flight (its power held over each cycle), J.
+    /// Work of the control torque over the flight, J.
     pub work_j: f64,
-    /// Largest power in any cycle, W: above zero it drives the tumble.
+    /// Largest mean power of any cycle, W: above zero it drives the tumble.
     pub max_power_w: f64,
     /// Cycles in which it drove the tumble, out of those in which it acted.
     pub driving_cycles: usize,

@@ -1,0 +1,154 @@
+//! What was flown, in a person's units.
+
+use adcs_app::LawParameters;
+use adcs_core::control::b_dot::BDotGain;
+use adcs_core::sensing::TriadParameters;
+use adcs_sim::devices::SpiFault;
+use adcs_sim::scenario::{Readings, Scenario, SensorTruth};
+
+use crate::mission::Mission;
+
+/// One heading and one text for each fact.
+pub fn facts(mission: &Mission) -> Vec<(&'static str, String)> {
+    let scenario = &mission.scenario;
+    let world = &scenario.world;
+    let files = mission.files.iter().map(|file| file.display().to_string());
+    let mut facts = vec![
+        ("files", files.collect::<Vec<_>>().join(", built on ")),
+        ("law", law(scenario.flight.law)),
+        (
+            "schedule",
+            format!(
+                "torquers on {} s, off {} s; cycle {} s",
+                seconds(scenario.flight.schedule.on_us),
+                seconds(scenario.flight.schedule.off_us),
+                seconds(scenario.flight.cycle_us)
+            ),
+        ),
+        ("start", world.start.to_string()),
+        (
+            "attitude at the start",
+            format!("q = ({}), Eci to Body, scalar last", list(&world.attitude_xyzw)),
+        ),
+        (
+            "rate at the start",
+            format!("({}) deg/s", rounded(world.omega_bi_rad_s.map(f64::to_degrees))),
+        ),
+        ("mass", format!("{} kg", mission.mass_kg)),
+    ];
+    let rows = world.inertia_kg_m2.map(|row| format!("[{}]", list(&row)));
+    facts.push(("inertia", format!("[{}] kg·m²", rows.join(", "))));
+    facts.push(("inertia", mission.inertia_source.clone()));
+    facts.push(("torques that act", torques(scenario)));
+    facts.push((
+        "torquers",
+        format!(
+            "±{} A·m² each, {} steps",
+            scenario.flight.torquers.max_dipole_am2, world.torquer_steps
+        ),
+    ));
+    facts.push(("readings", readings(scenario).to_owned()));
+    if scenario.readings == Readings::Drivers {
+        let nt = |t: f64| t * 1e9;
+        facts.push(("magnetometer", sensor(&world.magnetometer, "nT", nt)));
+        facts.push(("magnetometer", calibration(&scenario.flight.magnetometer, "nT", nt)));
+        facts.push((
+            "magnetometer",
+            match world.magnetometer_offset_m {
+                Some(offset) => {
+                    format!("feels the torquers, which sit at −({}) m from it", list(&offset))
+                }
+                None => "does not feel the torquers".to_owned(),
+            },
+        ));
+        facts.push(("gyros", sensor(&world.gyro, "deg/s", f64::to_degrees)));
+        facts.push(("gyros", calibration(&scenario.flight.gyro, "deg/s", f64::to_degrees)));
+        facts.push(("seed of the noise", world.seed.to_string()));
+    }
+    facts.push(("orbit", mission.tle[0].clone()));
+    facts.push(("orbit", mission.tle[1].clone()));
+    facts.push(("step of the truth", format!("{} s", seconds(world.step_us))));
+    facts
+}
+
+fn law(law: LawParameters) -> String {
+    match law {
+        LawParameters::Off => "none: the torquers stay off".to_owned(),
+        LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t }) => {
+            format!("B-dot, m = k (ω × B), k = {gain_am2_s_per_t} A·m²·s/T")
+        }
+        LawParameters::BDot(BDotGain::Normalised { gain_n_m_s }) => {
+            format!("B-dot normalised, m = K (ω × B) / |B|², K = {gain_n_m_s} N·m·s")
+        }
+    }
+}
+
+fn torques(scenario: &Scenario) -> String {
+    let world = &scenario.world;
+    let parts = [
+        Some("torquers".to_owned()),
+        world.residual_dipole_am2.map(|m| format!("residual dipole ({}) A·m²", list(&m))),
+        world.gravity_gradient.then(|| "gravity gradient".to_owned()),
+        world.drag.map(|drag| {
+            format!(
+                "drag (density {:e} kg/m³, coefficient {})",
+                drag.density_kg_m3, drag.coefficient
+            )
+        }),
+        world
+            .solar_pressure
+            .map(|sun| format!("solar pressure (reflectivity {})", sun.coefficient)),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn readings(scenario: &Scenario) -> &'static str {
+    match (scenario.readings, scenario.converter_fault) {
+        (Readings::Exact, _) => "exact: handed over without converter, noise or errors",
+        (Readings::Drivers, None) => "through the drivers and register-level models of the chips",
+        (Readings::Drivers, Some(SpiFault::Zeros)) => {
+            "through the drivers; the converter's bus answers nothing"
+        }
+        (Readings::Drivers, Some(SpiFault::Ones)) => {
+            "through the drivers; the converter answers all ones"
+        }
+        (Readings::Drivers, Some(SpiFault::Error)) => {
+            "through the drivers; the converter's bus reports errors"
+        }
+    }
+}
+
+fn sensor(truth: &SensorTruth, unit: &str, to_unit: impl Fn(f64) -> f64) -> String {
+    let mut text = format!(
+        "really: noise {:.4} {unit}, bias ({}) {unit}",
+        to_unit(truth.noise),
+        rounded(truth.bias.map(&to_unit))
+    );
+    if truth.matrix != SensorTruth::PERFECT.matrix {
+        let rows = truth.matrix.map(|row| format!("[{}]", list(&row)));
+        text.push_str(&format!(", matrix [{}]", rows.join(", ")));
+    }
+    text
+}
+
+fn calibration(known: &TriadParameters, unit: &str, to_unit: impl Fn(f64) -> f64) -> String {
+    let bias = known.bias.map(|bias| to_unit(f64::from(bias)));
+    format!(
+        "as the flight software takes it: scale ({}), bias ({}) {unit}",
+        list(&known.scale),
+        rounded(bias)
+    )
+}
+
+fn seconds(micros: u32) -> f64 {
+    f64::from(micros) / 1e6
+}
+
+fn list<T: ToString>(values: &[T]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Without the last digits that a conversion of units leaves.
+fn rounded(values: [f64; 3]) -> String {
+    list(&values.map(|value| (value * 1e6).round() / 1e6))
+}

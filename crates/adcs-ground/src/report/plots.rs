@@ -1,0 +1,161 @@
+//! Which charts a report has.
+
+use anyhow::Result;
+
+use super::chart::{Chart, Series, Style, colour};
+use super::rows::{Row, norm};
+
+/// How much of the flight the close-up shows, s.
+const CLOSE_UP_S: f64 = 60.0;
+
+/// A chart, drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plot {
+    /// The name of its file, without `.svg`.
+    pub name: &'static str,
+    /// The SVG.
+    pub svg: String,
+}
+
+/// All charts of a flight, in the order of the report.
+///
+/// # Errors
+/// When one cannot be drawn.
+pub fn plots(rows: &[Row]) -> Result<Vec<Plot>> {
+    let draw = |name, chart: Chart| -> Result<Plot> { Ok(Plot { name, svg: chart.svg()? }) };
+    let end_s = rows.last().map_or(0.0, |row| row.time_s);
+    let first_minute = rows.iter().take_while(|row| row.time_s <= CLOSE_UP_S).count();
+    let mut plots = vec![draw("rates", rates(rows))?, draw("field", field(rows))?];
+    if rows.iter().any(|row| row.measured_field_nt.is_some()) {
+        plots.push(draw("field-error", field_error(rows))?);
+    }
+    plots.push(draw("dipoles", dipoles(rows, "Dipole of the torquers"))?);
+    let acted = rows.iter().any(is_driven);
+    if acted
+        && end_s > 2.0 * CLOSE_UP_S
+        && let Some(close_up) = rows.get(..first_minute)
+    {
+        plots
+            .push(draw("first-minute", dipoles(close_up, "Dipole of the torquers, first minute"))?);
+    }
+    plots.push(draw("energy", energy(rows))?);
+    if acted {
+        plots.push(draw("power", power(rows))?);
+    }
+    Ok(plots)
+}
+
+fn chart(title: &'static str, y_label: &'static str, rows: &[Row], series: Vec<Series>) -> Chart {
+    let span_s =
+        (rows.first().map_or(0.0, |row| row.time_s), rows.last().map_or(1.0, |row| row.time_s));
+    Chart { title, y_label, series, bands: Vec::new(), band_label: "", span_s, from_zero: true }
+}
+
+fn series(
+    label: Option<&'static str>,
+    colour: plotters::style::RGBColor,
+    style: Style,
+    rows: &[Row],
+    value: impl Fn(&Row) -> Option<f64>,
+) -> Series {
+    let points = rows.iter().map(|row| (row.time_s, value(row))).collect();
+    Series { label, colour, style, points }
+}
+
+/// One series for each axis.
+fn axes(
+    style: Style,
+    rows: &[Row],
+    value: impl Fn(&Row) -> Option<[f64; 3]>,
+) -> impl Iterator<Item = Series> {
+    (0..3).map(move |axis| {
+        let of_axis = |row: &Row| value(row).map(|xyz| xyz[axis]);
+        series(Some(["x", "y", "z"][axis]), colour::AXES[axis], style, rows, of_axis)
+    })
+}
+
+fn rates(rows: &[Row]) -> Chart {
+    let measured = axes(Style::Line(0.8), rows, |row| row.measured_rate_deg_s)
+        .map(|series| Series { label: None, colour: colour::pale(series.colour), ..series });
+    let mut all: Vec<Series> = measured.collect();
+    all.extend(axes(Style::Line(1.6), rows, |row| Some(row.rate_deg_s)));
+    all.push(series(Some("|ω|"), colour::BLACK, Style::Line(1.8), rows, |row| {
+        Some(row.rate_norm_deg_s)
+    }));
+    chart("Rate of the body: true, and measured (pale)", "rate, deg/s", rows, all)
+}
+
+fn microtesla(nt: f64) -> f64 {
+    nt / 1e3
+}
+
+fn field(rows: &[Row]) -> Chart {
+    let model = series(
+        Some("model (IGRF at the SGP4 position)"),
+        colour::BLACK,
+        Style::Line(1.6),
+        rows,
+        |row| row.model_field_norm_nt.map(microtesla),
+    );
+    let measured =
+        series(Some("as measured on board"), colour::VERMILION, Style::Dots, rows, |row| {
+            row.measured_field_nt.map(|field| microtesla(norm(field)))
+        });
+    let chart = chart("Strength of the geomagnetic field", "|B|, µT", rows, vec![model, measured]);
+    Chart { from_zero: false, ..chart }
+}
+
+fn field_error(rows: &[Row]) -> Chart {
+    let error = series(None, colour::VERMILION, Style::Dots, rows, |row| {
+        Some(microtesla(norm(row.measured_field_nt?) - row.model_field_norm_nt?))
+    });
+    chart("Measured minus model field strength", "|B| error, µT", rows, vec![error])
+}
+
+fn dipoles(rows: &[Row], title: &'static str) -> Chart {
+    let all = axes(Style::Steps, rows, |row| row.dipole_am2).collect();
+    Chart {
+        bands: acting(rows),
+        band_label: "torquers act",
+        ..chart(title, "dipole, A·m²", rows, all)
+    }
+}
+
+/// Whether a torquer carries a dipole from this cycle on.
+fn is_driven(row: &Row) -> bool {
+    row.dipole_am2.is_some_and(|dipole| norm(dipole) > 0.0)
+}
+
+/// When the torquers acted: each from the instant of measuring to the next rest.
+fn acting(rows: &[Row]) -> Vec<(f64, f64)> {
+    let mut bands: Vec<(f64, f64)> = Vec::new();
+    let mut open = false;
+    for pair in rows.windows(2) {
+        let (now, next) = (&pair[0], &pair[1]);
+        if is_driven(now) {
+            match bands.last_mut() {
+                Some(band) if open => band.1 = next.time_s,
+                _ => bands.push((now.time_s, next.time_s)),
+            }
+        }
+        open = is_driven(now);
+    }
+    bands
+}
+
+fn energy(rows: &[Row]) -> Chart {
+    let line = series(None, colour::BLACK, Style::Line(1.8), rows, |row| Some(row.energy_j * 1e3));
+    chart("Kinetic energy of turning", "energy, mJ", rows, vec![line])
+}
+
+fn power(rows: &[Row]) -> Chart {
+    let line = series(None, colour::BLUE, Style::Steps, rows, |row| {
+        row.control_power_w.map(|power| power * 1e6)
+    });
+    chart(
+        "Power of the control torque on the tumble (below zero: it brakes)",
+        "power, µW",
+        rows,
+        vec![line],
+    )
+}

@@ -1,0 +1,133 @@
+//! What one sees, in sentences made from the numbers.
+
+use super::summary::{Summary, Torquers};
+
+/// Below this ratio of the rates a tumble counts as decaying, above its counterpart as growing.
+/// Without control the disturbances alone move it by 1 or 2 percent in 1200 s.
+const DECAYS_BELOW: f64 = 0.9;
+const GROWS_ABOVE: f64 = 1.1;
+
+/// The flight in one sentence.
+pub fn verdict(summary: &Summary) -> String {
+    let rates = &summary.rates;
+    let (start, end) = (rates.start_norm_deg_s, rates.end_norm_deg_s);
+    let after = format!("{:.0} s", summary.flown_s);
+    match rates.ratio {
+        None => format!("The satellite starts at rest and turns at {end:.2} deg/s after {after}."),
+        Some(ratio) => {
+            let what = match ratio {
+                ..DECAYS_BELOW => "The tumble decays",
+                GROWS_ABOVE.. => "The tumble grows",
+                _ => "The tumble neither decays nor grows",
+            };
+            format!(
+                "{what}: {start:.2} deg/s at the start, {end:.2} deg/s after {after}, a ratio of \
+                 {ratio:.2}."
+            )
+        }
+    }
+}
+
+/// About the rates.
+pub fn rates(summary: &Summary) -> String {
+    let swings = ["x", "y", "z"].into_iter().zip(summary.damping);
+    let swings = swings.filter_map(|(axis, damping)| {
+        let damping = damping?;
+        Some(format!(
+            "{axis} swings from {:.2} deg/s (at {:.0} s) to {:.2} deg/s (at {:.0} s), a damping \
+             ratio of {:.3}",
+            damping.first_peak_deg_s,
+            damping.first_peak_s,
+            damping.second_peak_deg_s,
+            damping.second_peak_s,
+            damping.ratio
+        ))
+    });
+    let swings = match swings.collect::<Vec<_>>() {
+        none if none.is_empty() => {
+            "No axis has two negative peaks, from which a damping ratio could be taken.".to_owned()
+        }
+        some => format!("Its negative peaks: {}.", some.join("; ")),
+    };
+    format!("{} {swings}", verdict(summary))
+}
+
+/// About the field.
+pub fn field(summary: &Summary) -> String {
+    match &summary.field {
+        None => "The field was not measured once; without it the torquers stay off.".to_owned(),
+        Some(field) => format!(
+            "Dots are the instants at which the torquers had rested long enough to measure. Their \
+             strength is off the model by {:+.0} to {:+.0} nT ({:.0} nT rms); their direction is off \
+             the true one by {:.1} to {:.1} deg.",
+            field.min_norm_error_nt,
+            field.max_norm_error_nt,
+            field.rms_norm_error_nt,
+            field.min_angle_deg,
+            field.max_angle_deg
+        ),
+    }
+}
+
+/// About the error of the field's strength.
+pub fn field_error() -> String {
+    "A pattern here tells of scale, bias or axis errors, a cloud of noise. What it cannot show is a \
+     wrong sign alone: that leaves the strength as it is."
+        .to_owned()
+}
+
+/// About the torquers.
+pub fn dipoles(summary: &Summary) -> String {
+    let Torquers { duty, mean_dipole_am2, saturated, refused_cycles } = summary.torquers;
+    let Some(mean) = mean_dipole_am2 else {
+        return "The torquers stayed off for the whole flight.".to_owned();
+    };
+    let mut text = format!(
+        "Each command is measured once, at the end of a rest, and held while the torquers act: {:.0} % \
+         of the time, with a mean dipole of {mean:.3} A·m². {} of the commands stood at the limit.",
+        duty * 100.0,
+        percent(saturated)
+    );
+    if refused_cycles > 0 {
+        text.push_str(&format!(" The torquers refused their command in {refused_cycles} cycles."));
+    }
+    text
+}
+
+/// About the close-up.
+pub fn first_minute() -> String {
+    "Measure, then act: while the ground is white the torquers rest and the field settles; the \
+     command is constant on the grey."
+        .to_owned()
+}
+
+/// About the energy.
+pub fn energy(summary: &Summary) -> String {
+    let energy = &summary.energy;
+    let ratio = energy.ratio.map_or_else(String::new, |ratio| format!(", a ratio of {ratio:.3}"));
+    format!(
+        "{:.4} mJ at the start, {:.4} mJ at the end{ratio}. The control torque did {:+.4} mJ of work; \
+         the rest is the disturbances'.",
+        energy.start_j * 1e3,
+        energy.end_j * 1e3,
+        summary.control.work_j * 1e3
+    )
+}
+
+/// About the power.
+pub fn power(summary: &Summary) -> String {
+    let control = &summary.control;
+    match (control.acting_cycles, control.driving_cycles) {
+        (0, _) => "No control torque acted.".to_owned(),
+        (_, 0) => "In no cycle did the control torque drive the tumble.".to_owned(),
+        (acting, driving) => format!(
+            "In {driving} of the {acting} cycles in which it acted, the control torque drove the \
+             tumble, with {:.2} µW at most.",
+            control.max_power_w * 1e6
+        ),
+    }
+}
+
+fn percent(fraction: f64) -> String {
+    if fraction == 0.0 { "None".to_owned() } else { format!("{:.1} %", fraction * 100.0) }
+}

@@ -16,7 +16,7 @@
 //! climb begins from an attitude under which the sharpest pair agrees; if that fails too, the
 //! attitude is not unique in this precision.
 
-use nalgebra::{Matrix3, Quaternion, RealField, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{ComplexField, Matrix3, Quaternion, RealField, UnitQuaternion, Vector2, Vector3};
 
 use super::information::{Eliminated, Information};
 use super::problem::Problem;
@@ -142,7 +142,7 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
             .eliminate(self.smallest_information)
             .filter(|eliminated| eliminated.roll > T::zero())?;
         let covariance = eliminated.inverse_in(&self.axes) * self.problem.variance_rad2();
-        covariance.iter().all(|x| x.is_finite()).then_some(covariance)
+        covariance.iter().all(ComplexField::is_finite).then_some(covariance)
     }
 
     fn turned(&self, attitude: &UnitQuaternion<T>, step: &Step<T>) -> UnitQuaternion<T> {

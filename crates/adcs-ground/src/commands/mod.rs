@@ -1,5 +1,6 @@
 //! The commands of `adcs`, one a file.
 
+pub mod attitude;
 mod console;
 pub mod eclipse;
 pub mod field;

@@ -32,7 +32,6 @@ enum Command {
     Sun(commands::sun::Args),
     Frames(commands::frames::Args),
     Eclipse(commands::eclipse::Args),
-    Attitude(commands::attitude::Args),
 }
 
 fn main() -> ExitCode {
@@ -46,7 +45,6 @@ fn main() -> ExitCode {
         Command::Sun(args) => Ok(commands::sun::run(&args)),
         Command::Frames(args) => Ok(commands::frames::run(&args)),
         Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
-        Command::Attitude(args) => Ok(commands::attitude::run(&args)),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

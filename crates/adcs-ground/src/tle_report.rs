@@ -3,8 +3,12 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
+use adcs_core::time::{MICROS_PER_DAY, Utc};
 use serde::Serialize;
-use sgp4_lite::{Elements, MinutesSinceEpoch, Propagator, TleError, TleText};
+use sgp4_lite::{
+    Elements, MinutesSinceEpoch, PlausibilityLimits, Propagator, TleError, TleText,
+    check_plausibility,
+};
 
 use crate::span::utc_of_epoch;
 use crate::tle_file::place;
@@ -35,14 +39,28 @@ pub struct TleReport {
     period_min: f64,
     perigee_height_km: f64,
     apogee_height_km: f64,
+    /// Since the epoch, when it was asked whether the elements can be used now.
+    age_days: Option<f64>,
+    /// Why they cannot.
+    implausible: Option<String>,
     /// What is suspicious about an orbit that is written without fault.
     warnings: Vec<String>,
 }
 
+/// When the elements are to be used, and how old they may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Use {
+    /// The instant.
+    pub now: Utc,
+    /// The greatest distance of the epoch from it.
+    pub max_days: f64,
+}
+
 impl TleReport {
-    /// The report on the elements that were decoded from `text`.
-    pub fn new(text: &[u8], elements: &Elements) -> Self {
+    /// The report on the elements that were decoded from `text`, and on their use if there is one.
+    pub fn new(text: &[u8], elements: &Elements, intended: Option<Use>) -> Self {
         const MINUTES_PER_DAY: f64 = 1440.0;
+        let epoch = utc_of_epoch(elements.epoch);
         let name = TleText::split(text).ok().and_then(|text| text.name).map(str::to_owned);
         let [perigee_height_km, apogee_height_km] = heights_km(elements);
         Self {
@@ -51,7 +69,7 @@ impl TleReport {
             norad_id: elements.norad_id,
             classification: elements.classification.letter(),
             international_designator: elements.international_designator.to_string(),
-            epoch_utc: utc_of_epoch(elements.epoch).to_string(),
+            epoch_utc: epoch.to_string(),
             mean_motion_dot_over_2_rev_per_day2: elements.mean_motion_dot_over_2_rev_per_day2,
             mean_motion_ddot_over_6_rev_per_day3: elements.mean_motion_ddot_over_6_rev_per_day3,
             bstar_per_earth_radius: elements.bstar_per_earth_radius,
@@ -66,9 +84,32 @@ impl TleReport {
             period_min: MINUTES_PER_DAY / elements.mean_motion_rev_per_day,
             perigee_height_km,
             apogee_height_km,
-            warnings: warnings(elements, perigee_height_km),
+            age_days: intended.map(|Use { now, .. }| days(now) - days(epoch)),
+            implausible: intended.and_then(|intended| why_implausible(elements, intended)),
+            warnings: warnings(elements),
         }
     }
+
+    /// What is suspicious about the orbit.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Why the elements cannot be used when they are to be.
+    pub fn implausible(&self) -> Option<&str> {
+        self.implausible.as_deref()
+    }
+}
+
+/// Days since 2000-01-01 00:00.
+fn days(utc: Utc) -> f64 {
+    utc.micros_since_2000() as f64 / MICROS_PER_DAY as f64
+}
+
+fn why_implausible(elements: &Elements, intended: Use) -> Option<String> {
+    let limits = PlausibilityLimits::within_days(intended.max_days);
+    let checked = check_plausibility(elements, days(intended.now), &limits);
+    checked.err().map(|implausible| implausible.to_string())
 }
 
 /// Heights of perigee and apogee over the equatorial radius, from the mean motion by Kepler's third
@@ -84,14 +125,12 @@ fn heights_km(elements: &Elements) -> [f64; 2] {
     [1.0 - e, 1.0 + e].map(|part| semi_major_axis_km * part - EARTH_RADIUS_KM)
 }
 
-fn warnings(elements: &Elements, perigee_height_km: f64) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if perigee_height_km < 0.0 {
-        warnings.push(format!("the perigee is {:.0} km below the surface", -perigee_height_km));
-    }
-    let at_epoch = Propagator::new(elements)
+fn warnings(elements: &Elements) -> Vec<String> {
+    let at_epoch = Use { now: utc_of_epoch(elements.epoch), max_days: 1.0 };
+    let mut warnings: Vec<_> = why_implausible(elements, at_epoch).into_iter().collect();
+    let state = Propagator::new(elements)
         .and_then(|propagator| propagator.propagate(MinutesSinceEpoch(0.0)));
-    if let Err(error) = at_epoch {
+    if let Err(error) = state {
         warnings.push(format!("SGP4 has no state at the epoch: {error}"));
     }
     warnings
@@ -120,14 +159,11 @@ impl fmt::Display for TleReport {
         line("revolution at epoch", &self.revolution_number, "")?;
         line("period", &format_args!("{:.3}", self.period_min), "min")?;
         line("height of perigee, about", &format_args!("{:.0}", self.perigee_height_km), "km")?;
-        line("height of apogee, about", &format_args!("{:.0}", self.apogee_height_km), "km")
-    }
-}
-
-impl TleReport {
-    /// What is suspicious about the orbit.
-    pub fn warnings(&self) -> &[String] {
-        &self.warnings
+        line("height of apogee, about", &format_args!("{:.0}", self.apogee_height_km), "km")?;
+        match self.age_days {
+            Some(age_days) => line("age", &format_args!("{age_days:.3}"), "days"),
+            None => Ok(()),
+        }
     }
 }
 

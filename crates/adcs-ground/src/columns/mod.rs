@@ -1,6 +1,5 @@
 //! What the commands on tables compute for a row.
 
-pub mod attitude;
 pub mod field;
 pub mod frames;
 pub mod propagate;

@@ -1,6 +1,5 @@
 //! The commands of `adcs`, one a file.
 
-pub mod attitude;
 mod console;
 pub mod eclipse;
 pub mod field;

@@ -96,6 +96,36 @@ fn an_orbit_without_a_state_is_warned_about() {
     assert!(!json["warnings"].as_array().unwrap().is_empty());
 }
 
+#[test]
+fn age_and_orbit_are_checked_for_a_time_of_use() {
+    // The epoch is 2015-03-27T00:58:28.
+    let text = format!("{LINE1}\n{LINE2}\n");
+    let at = |now: &str, days: &str| {
+        adcs(["tle", "check", "-", "--json", "--now", now, "--max-days", days], text.as_str())
+    };
+    let fresh = at("2015-03-28T12:58:28.378272Z", "7");
+    assert_eq!((fresh.code, fresh.stderr.as_str()), (Some(0), ""));
+    let json: Value = serde_json::from_slice(&fresh.stdout).unwrap();
+    assert!((json["age_days"].as_f64().unwrap() - 1.5).abs() < 1e-9);
+    for (now, days) in [("2015-04-10T00:00:00Z", "7"), ("2015-03-01T00:00:00Z", "7")] {
+        let old = at(now, days);
+        assert_eq!(old.code, Some(1));
+        assert!(old.stderr.contains("not for this use: the epoch is"), "{}", old.stderr);
+        let json: Value = serde_json::from_slice(&old.stdout).unwrap();
+        assert_eq!(json["valid"], true, "it is written without fault");
+        assert!(json["implausible"].as_str().unwrap().contains("days ahead"));
+    }
+    assert_eq!(at("2015-04-10T00:00:00Z", "15").code, Some(0));
+    assert_eq!(at("2015-04-10T00:00:00Z", "nan").code, Some(1));
+    // 18 revolutions a day are below the ground: suspicious, and refused for use.
+    let low = format!("{LINE1}\n{}\n", corrected(&LINE2.replace("14.83565425", "17.53565425")));
+    let run = check(low.as_str());
+    assert_eq!(run.code, Some(0));
+    assert!(run.stderr.contains("warning: mean motion of 17.5"), "{}", run.stderr);
+    let run = adcs(["tle", "check", "-", "--now", "2015-03-27T02:00:00Z"], low);
+    assert_eq!(run.code, Some(1));
+}
+
 /// The line with its checksum.
 fn corrected(line: &str) -> String {
     let value = |c: char| if c == '-' { 1 } else { c.to_digit(10).unwrap_or(0) };

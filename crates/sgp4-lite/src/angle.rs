@@ -4,9 +4,9 @@
 /// terms are d⁵/120 = 7e-18 and d⁶/720 = 1e-21. Short-period terms are that small.
 const TINY_TURN_RAD: f64 = 1.0 / 1024.0;
 
-/// Below this change, two more terms do: then the first neglected ones are d⁷/5040 = 4e-17 and
-/// d⁸/40320 = 9e-20.
-const SMALL_TURN_RAD: f64 = 1.0 / 64.0;
+/// Below this change, longer ones are: then the first neglected terms are d¹¹/11! = 3e-18 and
+/// d¹²/12! = 3e-20.
+const SMALL_TURN_RAD: f64 = 1.0 / 8.0;
 
 /// Sine and cosine of one angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,12 +46,13 @@ impl SinCos {
                 cos: 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0)),
             }
         } else if d.abs() < SMALL_TURN_RAD {
-            Self {
-                // d − d³/3! + d⁵/5!
-                sin: d - d * d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0)),
-                // 1 − d²/2! + d⁴/4! − d⁶/6!
-                cos: 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0))),
-            }
+            // d − d³/3! + d⁵/5! − d⁷/7! + d⁹/9!
+            let cubic =
+                1.0 / 6.0 - d2 * (1.0 / 120.0 - d2 * (1.0 / 5040.0 - d2 * (1.0 / 362_880.0)));
+            // 1 − d²/2! + d⁴/4! − d⁶/6! + d⁸/8! − d¹⁰/10!
+            let quartic =
+                1.0 / 24.0 - d2 * (1.0 / 720.0 - d2 * (1.0 / 40_320.0 - d2 * (1.0 / 3_628_800.0)));
+            Self { sin: d - d * d2 * cubic, cos: 1.0 - d2 * (0.5 - d2 * quartic) }
         } else {
             Self::of(d)
         }
@@ -68,7 +69,7 @@ mod tests {
     #[test]
     fn turning_agrees_with_the_sine_of_the_sum() {
         for step in -2000..2000 {
-            let (angle, turn) = (f64::from(step) * 0.003, f64::from(step) * 1e-5);
+            let (angle, turn) = (f64::from(step) * 0.003, f64::from(step) * 1e-4);
             let turned = SinCos::of(angle).turned_by(turn);
             let direct = SinCos::of(angle + turn);
             assert!((turned.sin - direct.sin).abs() < TOLERANCE, "sin at {angle} + {turn}");

@@ -151,9 +151,9 @@ struct PeriodicTerms {
 impl PeriodicTerms {
     fn at(&self, t: f64) -> PeriodicChanges {
         // f = M + 2eₓ sin M
-        let mean_anomaly = self.mean_anomaly_at_epoch + self.mean_motion * t;
-        let equation_of_centre = 2.0 * self.body_eccentricity * SinCos::of(mean_anomaly).sin;
-        let SinCos { sin: sin_f, cos: cos_f } = SinCos::of(mean_anomaly + equation_of_centre);
+        let mean_anomaly = SinCos::of(self.mean_anomaly_at_epoch + self.mean_motion * t);
+        let equation_of_centre = 2.0 * self.body_eccentricity * mean_anomaly.sin;
+        let SinCos { sin: sin_f, cos: cos_f } = mean_anomaly.turned_by(equation_of_centre);
         let f2 = 0.5 * sin_f * sin_f - 0.25;
         let f3 = -0.5 * sin_f * cos_f;
         PeriodicChanges {

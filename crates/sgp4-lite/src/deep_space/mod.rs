@@ -20,7 +20,7 @@ use crate::{Epoch, Error, State};
 use core::f64::consts::{PI, TAU};
 use geopotential::{HalfDay, Synchronous};
 use lunisolar::{ElementChanges, Lunisolar, PeriodicChanges};
-use resonance::{PerigeeMotion, Pull, Resonance, Start};
+use resonance::{Motion, PerigeeMotion, Pull, Resonance, Solution};
 
 /// Julian date of 1900 January 0.5, from which the places of Sun and Moon are counted in days.
 const JULIAN_DATE_1900: f64 = 2_415_020.0;
@@ -40,10 +40,15 @@ const HALF_DAY_LEAST_ECCENTRICITY: f64 = 0.5;
 /// as such; below it, sin i is too small to divide by.
 const LYDDANE_BELOW_RAD: f64 = 0.2;
 
+/// Below this relative change of the mean motion, a series gives the cube root to rounding: the
+/// first neglected term is 22/729 · 1e-15. Resonance changes it by some 1e-4.
+const SMALL_MEAN_MOTION_CHANGE: f64 = 1e-3;
+
 /// Everything about a deep-space orbit that does not depend on time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeepSpace {
     orbit: MeanOrbit,
+    sqrt_semi_major_axis_at_epoch: f64,
     rates: SecularRates,
     drag: Drag,
     lunisolar: Lunisolar,
@@ -73,7 +78,15 @@ impl DeepSpace {
         let lunisolar = Lunisolar::new(&orbit, julian_date - JULIAN_DATE_1900);
         let greenwich_at_epoch = greenwich_sidereal_time(julian_date);
         let resonance = resonance_of(&orbit, &rates, &lunisolar.rates, greenwich_at_epoch);
-        Ok(Self { orbit, rates, drag, lunisolar, greenwich_at_epoch, resonance })
+        Ok(Self {
+            orbit,
+            sqrt_semi_major_axis_at_epoch: libm::sqrt(orbit.semi_major_axis),
+            rates,
+            drag,
+            lunisolar,
+            greenwich_at_epoch,
+            resonance,
+        })
     }
 
     /// Position and velocity (TEME) at `t` minutes from the epoch.
@@ -88,7 +101,7 @@ impl DeepSpace {
             let resonant = resonance.at(t, resume);
             mean_motion = resonant.mean_motion;
             let greenwich = self.greenwich_at_epoch + EARTH_RATE_RAD_PER_MIN * t;
-            mean.mean_anomaly = match resonance.pull {
+            mean.mean_anomaly = match resonance.pull() {
                 // M = λ − Ω − ω + Θ
                 Pull::Synchronous(_) => {
                     resonant.longitude - mean.raan - mean.argument_of_perigee + greenwich
@@ -103,7 +116,7 @@ impl DeepSpace {
 
         // Drag: √a = (kₑ/n)^⅓ |1 − C₁t|, e falls by B*C₄t, M grows by n₀ 3/2 C₁t².
         let a_factor = 1.0 - drag.c1 * t;
-        let sqrt_semi_major_axis = libm::cbrt(KE / mean_motion) * a_factor.abs();
+        let sqrt_semi_major_axis = self.sqrt_semi_major_axis(mean_motion) * a_factor.abs();
         let eccentricity = mean.eccentricity - drag.bstar_c4 * t;
         if !(LEAST_MEAN_ECCENTRICITY..1.0).contains(&eccentricity) {
             return Err(Error::MeanEccentricity { eccentricity, minutes_since_epoch: t });
@@ -126,8 +139,19 @@ impl DeepSpace {
             latitude_change: 0.0,
             raan: SinCos::of(perturbed.raan),
         };
-        let inclination = Inclination::new(SinCos::of(perturbed.inclination));
-        position_and_velocity(&state, &inclination, t)
+        position_and_velocity(&state, &Inclination::new(perturbed.inclination), t)
+    }
+
+    /// √a = (kₑ/n)^⅓, which is √a₀ where there is no resonance, and near it where there is.
+    fn sqrt_semi_major_axis(&self, mean_motion: f64) -> f64 {
+        // (n₀/n)^⅓ = (1 + x)^⅓ = 1 + x/3 − x²/9 + 5x³/81 − 10x⁴/243 + …
+        let x = self.orbit.mean_motion / mean_motion - 1.0;
+        if x.abs() < SMALL_MEAN_MOTION_CHANGE {
+            let series = 1.0 / 3.0 - x * (1.0 / 9.0 - x * (5.0 / 81.0 - x * (10.0 / 243.0)));
+            self.sqrt_semi_major_axis_at_epoch * (1.0 + x * series)
+        } else {
+            libm::cbrt(KE / mean_motion)
+        }
     }
 
     /// The mean elements after the secular changes by zonal harmonics, Sun, Moon, and Ω by drag.
@@ -155,36 +179,40 @@ fn resonance_of(
     let anomaly_rate = zonal.mean_anomaly + third_bodies.mean_anomaly;
     let raan_rate = zonal.raan + third_bodies.raan;
     let perigee_rate = zonal.argument_of_perigee + third_bodies.argument_of_perigee;
-    if n > SYNCHRONOUS_ABOVE && n < SYNCHRONOUS_BELOW {
-        let start = Start {
-            // λ = M + Ω + ω − Θ
-            longitude: orbit.mean_anomaly + orbit.raan + orbit.argument_of_perigee
-                - greenwich_at_epoch,
-            mean_motion: n,
-            longitude_rate_without_n: anomaly_rate + raan_rate + perigee_rate
-                - EARTH_RATE_RAD_PER_MIN
-                - n,
-        };
-        Some(Resonance { start, pull: Pull::Synchronous(Synchronous::new(orbit)) })
+    let (longitude, longitude_rate, pull) = if n > SYNCHRONOUS_ABOVE && n < SYNCHRONOUS_BELOW {
+        // λ = M + Ω + ω − Θ
+        let longitude =
+            orbit.mean_anomaly + orbit.raan + orbit.argument_of_perigee - greenwich_at_epoch;
+        let rate = anomaly_rate + raan_rate + perigee_rate - EARTH_RATE_RAD_PER_MIN;
+        (longitude, rate, Pull::Synchronous(Synchronous::new(orbit)))
     } else if (HALF_DAY_FROM..=HALF_DAY_TO).contains(&n)
         && orbit.eccentricity >= HALF_DAY_LEAST_ECCENTRICITY
     {
-        let start = Start {
-            // λ = M + 2Ω − 2Θ
-            longitude: orbit.mean_anomaly + 2.0 * (orbit.raan - greenwich_at_epoch),
-            mean_motion: n,
-            longitude_rate_without_n: anomaly_rate + 2.0 * (raan_rate - EARTH_RATE_RAD_PER_MIN) - n,
-        };
+        // λ = M + 2Ω − 2Θ
+        let longitude = orbit.mean_anomaly + 2.0 * (orbit.raan - greenwich_at_epoch);
+        let rate = anomaly_rate + 2.0 * (raan_rate - EARTH_RATE_RAD_PER_MIN);
         let perigee =
             PerigeeMotion { at_epoch: orbit.argument_of_perigee, rate: zonal.argument_of_perigee };
-        Some(Resonance { start, pull: Pull::HalfDay(HalfDay::new(orbit), perigee) })
+        (longitude, rate, Pull::HalfDay(HalfDay::new(orbit), perigee))
     } else {
-        None
-    }
+        return None;
+    };
+    let at_epoch = Solution { longitude, mean_motion: n };
+    Some(Resonance::new(at_epoch, Motion { pull, longitude_rate_without_n: longitude_rate - n }))
+}
+
+/// Mean elements with periodic changes.
+#[derive(Debug, Clone, Copy)]
+struct Perturbed {
+    eccentricity: f64,
+    inclination: SinCos,
+    raan: f64,
+    argument_of_perigee: f64,
+    mean_anomaly: f64,
 }
 
 /// The mean elements with the lunar and solar periodic changes, inclination not negative.
-fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> ElementsAt {
+fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> Perturbed {
     let inclination = mean.inclination + changes.inclination;
     let eccentricity = mean.eccentricity + changes.eccentricity;
     let mean_anomaly = mean.mean_anomaly + changes.mean_anomaly;
@@ -193,9 +221,9 @@ fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> Elemen
     let raan = within_one_turn(mean.raan, TAU);
     let mut perturbed = if inclination >= LYDDANE_BELOW_RAD {
         let raan_change = changes.sin_i_node / sin_i;
-        ElementsAt {
+        Perturbed {
             eccentricity,
-            inclination,
+            inclination: SinCos { sin: sin_i, cos: cos_i },
             raan: raan + raan_change,
             argument_of_perigee: mean.argument_of_perigee + changes.perigee_and_node
                 - cos_i * raan_change,
@@ -216,16 +244,16 @@ fn with_periodic_changes(mean: &ElementsAt, changes: &PeriodicChanges) -> Elemen
             + changes.perigee_and_node
             - changes.inclination * raan * sin_i;
         let perturbed_raan = on_the_turn_of(raan, libm::atan2(alpha, beta));
-        ElementsAt {
+        Perturbed {
             eccentricity,
-            inclination,
+            inclination: SinCos { sin: sin_i, cos: cos_i },
             raan: perturbed_raan,
             argument_of_perigee: longitude - mean_anomaly - cos_i * perturbed_raan,
             mean_anomaly,
         }
     };
-    if perturbed.inclination < 0.0 {
-        perturbed.inclination = -perturbed.inclination;
+    if inclination < 0.0 {
+        perturbed.inclination.sin = -sin_i;
         perturbed.raan += PI;
         perturbed.argument_of_perigee -= PI;
     }

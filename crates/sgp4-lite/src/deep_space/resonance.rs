@@ -30,25 +30,37 @@ pub(super) const MAX_MINUTES: f64 = 20.0 * 365.25 * 1440.0;
 /// for each propagator does the same with the few steps in between, and gives the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ResonanceState {
-    node: Option<Node>,
+    held: Option<Held>,
 }
 
-/// The solution at one step of the integration.
+/// A step of the integration, and the first one, which tells whose it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Node {
-    /// The orbit it belongs to.
-    start: Start,
+struct Held {
+    at_epoch: Step,
+    last: Step,
+}
+
+/// The solution at one step of the integration, and its derivatives there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
     minutes: f64,
-    longitude: f64,
-    mean_motion: f64,
+    solution: Solution,
+    rates: Derivatives,
 }
 
-/// The solution at the epoch, and the rate of λ at n = 0.
+/// Mean motion and resonance angle at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Start {
+pub(super) struct Solution {
     pub longitude: f64,
     pub mean_motion: f64,
-    pub longitude_rate_without_n: f64,
+}
+
+/// λ̇, ṅ and n̈ at a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Derivatives {
+    longitude: f64,
+    mean_motion: f64,
+    mean_motion_second: f64,
 }
 
 /// The argument of perigee, as the integration sees it: by the zonal harmonics alone.
@@ -65,64 +77,69 @@ pub(super) enum Pull {
     HalfDay(HalfDay, PerigeeMotion),
 }
 
+/// The pull that changes n, and the rate of λ at n = 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    pub pull: Pull,
+    pub longitude_rate_without_n: f64,
+}
+
 /// A resonant orbit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Resonance {
-    pub start: Start,
-    pub pull: Pull,
-}
-
-/// Mean motion and resonance angle at one time.
-pub(super) struct Resonant {
-    pub mean_motion: f64,
-    pub longitude: f64,
-}
-
-/// λ̇, ṅ and n̈ at a step.
-struct Derivatives {
-    longitude: f64,
-    mean_motion: f64,
-    mean_motion_second: f64,
+    motion: Motion,
+    at_epoch: Step,
 }
 
 impl Resonance {
+    pub fn new(at_epoch: Solution, motion: Motion) -> Self {
+        Self { motion, at_epoch: motion.step(0.0, at_epoch) }
+    }
+
+    pub fn pull(&self) -> &Pull {
+        &self.motion.pull
+    }
+
     /// The solution at `t` minutes from the epoch, for |t| up to [`MAX_MINUTES`], going on from
     /// `resume` where that lies on the way, and leaving the last step there.
-    pub fn at(&self, t: f64, resume: &mut ResonanceState) -> Resonant {
-        let mut node = match resume.node {
-            Some(node) if node.start == self.start && lies_between_epoch_and(t, node.minutes) => {
-                node
+    pub fn at(&self, t: f64, resume: &mut ResonanceState) -> Solution {
+        let mut last = match resume.held {
+            Some(Held { at_epoch, last })
+                if at_epoch == self.at_epoch && lies_between_epoch_and(t, last.minutes) =>
+            {
+                last
             }
-            _ => Node {
-                start: self.start,
-                minutes: 0.0,
-                longitude: self.start.longitude,
-                mean_motion: self.start.mean_motion,
-            },
+            _ => self.at_epoch,
         };
         let step = STEP_MIN.copysign(t);
-        let mut rates = self.derivatives(&node);
         // At most 14,610 times, because |t| is limited.
-        while (t - node.minutes).abs() >= STEP_MIN {
-            self.advance(&mut node, &rates, step);
-            node.minutes += step;
-            rates = self.derivatives(&node);
+        while (t - last.minutes).abs() >= STEP_MIN {
+            last = self.motion.step(last.minutes + step, last.after(step));
         }
-        resume.node = Some(node);
-        let beyond = t - node.minutes;
-        self.advance(&mut node, &rates, beyond);
-        Resonant { mean_motion: node.mean_motion, longitude: node.longitude }
+        resume.held = Some(Held { at_epoch: self.at_epoch, last });
+        last.after(t - last.minutes)
     }
+}
 
-    /// λ += λ̇δ + ½ṅδ², n += ṅδ + ½n̈δ²
-    fn advance(&self, node: &mut Node, rates: &Derivatives, delta: f64) {
+impl Step {
+    /// λ + λ̇δ + ½ṅδ², n + ṅδ + ½n̈δ²
+    fn after(&self, delta: f64) -> Solution {
         let half_delta2 = 0.5 * delta * delta;
-        node.longitude += rates.longitude * delta + rates.mean_motion * half_delta2;
-        node.mean_motion += rates.mean_motion * delta + rates.mean_motion_second * half_delta2;
+        let (solution, rates) = (&self.solution, &self.rates);
+        Solution {
+            longitude: solution.longitude
+                + rates.longitude * delta
+                + rates.mean_motion * half_delta2,
+            mean_motion: solution.mean_motion
+                + rates.mean_motion * delta
+                + rates.mean_motion_second * half_delta2,
+        }
     }
+}
 
-    fn derivatives(&self, node: &Node) -> Derivatives {
-        let l = SinCos::of(node.longitude);
+impl Motion {
+    fn step(&self, minutes: f64, solution: Solution) -> Step {
+        let l = SinCos::of(solution.longitude);
         let mut sum = Sum::default();
         match &self.pull {
             Pull::Synchronous(pull) => {
@@ -132,7 +149,7 @@ impl Resonance {
                 sum.add(&pull.thrice, 3.0, l2.plus(l));
             }
             Pull::HalfDay(pull, perigee) => {
-                let w = SinCos::of(perigee.at_epoch + perigee.rate * node.minutes);
+                let w = SinCos::of(perigee.at_epoch + perigee.rate * minutes);
                 let minus_w = SinCos { sin: -w.sin, cos: w.cos };
                 let l_plus_w = l.plus(w);
                 let l2 = l.plus(l);
@@ -146,8 +163,14 @@ impl Resonance {
                 sum.add(&pull.l2_plus_2w, 2.0, l_plus_w.plus(l_plus_w));
             }
         }
-        let longitude = node.mean_motion + self.start.longitude_rate_without_n;
-        Derivatives { longitude, mean_motion: sum.pull, mean_motion_second: sum.slope * longitude }
+        // λ̇ = n + …, n̈ = λ̇ ∂ṅ/∂λ
+        let longitude = solution.mean_motion + self.longitude_rate_without_n;
+        let rates = Derivatives {
+            longitude,
+            mean_motion: sum.pull,
+            mean_motion_second: sum.slope * longitude,
+        };
+        Step { minutes, solution, rates }
     }
 }
 

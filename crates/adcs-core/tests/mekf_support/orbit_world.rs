@@ -92,7 +92,8 @@ impl OrbitWorld {
         let omega_bi_b = Self::rate(t_s);
 
         let gyro = omega_bi_b + self.bias_b + self.noise.vector(self.sigma.gyro_noise_rad_s);
-        let field_noise = libm::hypot(self.sigma.field_noise.sensor_t, self.sigma.field_noise.model_t);
+        let field_noise =
+            libm::hypot(self.sigma.field_noise.sensor_t, self.sigma.field_noise.model_t);
         let mut field_b = self.q_bi * field_i + self.noise.vector(field_noise);
         let mut sun_b = self.noise.direction(self.q_bi * sun_i, self.sigma.sun_noise_rad);
         if self.seconds % 1301 == 1300 {
@@ -114,7 +115,7 @@ impl OrbitWorld {
             } else {
                 Reading::Missing(MissingReason::Bus)
             },
-            field_b: (self.seconds % 5 == 0).then_some(field_b),
+            field_b: self.seconds.is_multiple_of(5).then_some(field_b),
             sun_b: lit.then_some(sun_b),
         };
         self.seconds += 1;

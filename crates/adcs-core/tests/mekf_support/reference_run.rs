@@ -10,6 +10,7 @@ use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::reading::Reading;
 use nalgebra::{RealField, UnitQuaternion, Vector3, convert};
 
+#[allow(unused_imports)] // each test uses its part
 pub use self::table::{Row, Table, Worst};
 use super::{Gaussian, Moment};
 

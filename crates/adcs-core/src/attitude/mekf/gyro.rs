@@ -74,9 +74,7 @@ fn measured<T: RealField + Copy>(
     let half: T = convert(0.5);
     let before = before.filter(HeldRate::is_fresh);
     let rate_b = match (parameters.gyro_sampling, before) {
-        (GyroSampling::Instant, Some(before)) => {
-            (before.sample_b + sample_b) * half
-        }
+        (GyroSampling::Instant, Some(before)) => (before.sample_b + sample_b) * half,
         (GyroSampling::Instant, None) | (GyroSampling::Interval, _) => sample_b,
     };
     // One sample's error, held over the step: σ_v² Δt with σ_v² = σ² Δt. Means of neighbours share

@@ -97,11 +97,7 @@ impl<T: RealField + Copy> Mekf<T> {
     ///
     /// # Errors
     /// [`MekfError`] when a σ or the bias is out of range; the state is then as before.
-    pub fn begin(
-        &self,
-        state: &mut MekfState<T>,
-        start: &GivenStart<T>,
-    ) -> Result<(), MekfError> {
+    pub fn begin(&self, state: &mut MekfState<T>, start: &GivenStart<T>) -> Result<(), MekfError> {
         let GivenStart { r_bi, attitude_sigma_rad, gyro_bias, gyro_bias_sigma_rad_s } = *start;
         Parameter::StartAttitudeSigma.check(attitude_sigma_rad)?;
         Parameter::StartBiasSigma.check(gyro_bias_sigma_rad_s)?;
@@ -117,8 +113,12 @@ impl<T: RealField + Copy> Mekf<T> {
     /// One cycle: predict, correct, and look whether the estimate still deserves belief.
     pub fn cycle(&self, state: &mut MekfState<T>, inputs: &Inputs<T>) -> Output<T> {
         let lost = self.predict(state, inputs.gyro, inputs.dt_s).err().map(Event::Lost);
+        let pair = inputs.field.filter(FieldPair::is_plausible).zip(inputs.sun);
+        if let Some((field, sun)) = &pair {
+            state.monitor.judge_pair(self.agree(field, sun));
+        }
         if let Some(event) = self.need_of_alignment(state)
-            && self.align_with(state, inputs, event)
+            && self.align_with(state, pair, event, 1)
         {
             return self.output(state, Source::TwoVectors, lost.or(Some(event)));
         }
@@ -126,7 +126,7 @@ impl<T: RealField + Copy> Mekf<T> {
         let field = inputs.field.and_then(|pair| self.update_field(state, &pair));
         let sun = inputs.sun.and_then(|pair| self.update_sun(state, &pair));
         let restarted = state.monitor.is_in_doubt(self.doubt())
-            && self.align_with(state, inputs, Event::Restarted);
+            && self.align_with(state, pair, Event::Restarted, self.doubt());
 
         let (source, event) = if restarted {
             (Source::TwoVectors, Some(Event::Restarted))
@@ -213,17 +213,25 @@ impl<T: RealField + Copy> Mekf<T> {
         let limit = self.parameters.limits.linear_rad;
         match &state.tracked {
             None => Some(Event::Started),
-            Some(tracked) => (tracked.largest_attitude_variance() > limit * limit)
-                .then_some(Event::Realigned),
+            Some(tracked) => {
+                (tracked.largest_attitude_variance() > limit * limit).then_some(Event::Realigned)
+            }
         }
     }
 
-    /// Solves for the attitude from field and Sun, if they allow it. The bias stays where it may still
-    /// be believed: as it is when the attitude alone had become uncertain, its mean after a gap, not
-    /// at all when the filter was wrong.
-    fn align_with(&self, state: &mut MekfState<T>, inputs: &Inputs<T>, event: Event) -> bool {
-        let pairs = inputs.field.filter(FieldPair::is_plausible).zip(inputs.sun);
-        let found = pairs.and_then(|(field, sun)| self.align(&field, &sun));
+    /// Solves for the attitude from field and Sun, if they are there, have agreed with each other
+    /// `times` in a row, and stand far enough apart. The bias stays where it may still be believed: as
+    /// it is when the attitude alone had become uncertain, its mean after a gap, not at all when the
+    /// filter was wrong.
+    fn align_with(
+        &self,
+        state: &mut MekfState<T>,
+        pair: Option<(FieldPair<T>, SunPair<T>)>,
+        event: Event,
+        times: u8,
+    ) -> bool {
+        let pair = pair.filter(|_| state.monitor.sensors_agree(times));
+        let found = pair.and_then(|(field, sun)| self.align(&field, &sun));
         let Some(Alignment { r_bi, covariance }) = found else { return false };
         match (&mut state.tracked, event) {
             (Some(tracked), Event::Realigned) => {

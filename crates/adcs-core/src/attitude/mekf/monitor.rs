@@ -3,7 +3,7 @@
 //! | monitor | what it sees | what follows |
 //! |---|---|---|
 //! | gate | one measurement that contradicts the estimate (NIS above a χ² quantile) | it is not used |
-//! | run | several contradictions in a row of one sensor | the estimate is in doubt: found anew from field and Sun if these agree with each other; withheld if nothing vouches for it |
+//! | run | several contradictions in a row of one sensor | the estimate is in doubt: found anew if field and Sun have agreed with each other as often in a row; withheld if nothing vouches for it |
 //! | mean NIS | innovations that are too large on average for what the covariance promised | the estimate is marked inconsistent |
 //! | covariance | a variance that is negative or not finite, or no Cholesky factor | start again |
 
@@ -66,11 +66,13 @@ pub(super) struct Monitor<T> {
     sun: Channel<T>,
     /// Contradictions since the last measurement of either sensor that was accepted.
     unvouched: u8,
+    /// How often in a row field and Sun agreed with each other.
+    agreements: u8,
 }
 
 impl<T: RealField + Copy> Monitor<T> {
     pub(super) fn new() -> Self {
-        Self { field: Channel::new(3.0), sun: Channel::new(2.0), unvouched: 0 }
+        Self { field: Channel::new(3.0), sun: Channel::new(2.0), unvouched: 0, agreements: 0 }
     }
 
     pub(super) fn judge_field(&mut self, nis: T, gate: T) -> Innovation<T> {
@@ -88,6 +90,16 @@ impl<T: RealField + Copy> Monitor<T> {
         innovation
     }
 
+    /// Notes whether field and Sun of one instant agree with each other, whatever the estimate.
+    pub(super) fn judge_pair(&mut self, agree: bool) {
+        self.agreements = if agree { self.agreements.saturating_add(1) } else { 0 };
+    }
+
+    /// Whether field and Sun have agreed with each other `times` in a row.
+    pub(super) fn sensors_agree(&self, times: u8) -> bool {
+        self.agreements >= times
+    }
+
     /// Whether either sensor has contradicted the estimate `limit` times in a row.
     pub(super) fn is_in_doubt(&self, limit: u8) -> bool {
         self.field.contradicts(limit) || self.sun.contradicts(limit)
@@ -103,9 +115,10 @@ impl<T: RealField + Copy> Monitor<T> {
         self.field.is_consistent() && self.sun.is_consistent()
     }
 
-    /// Both sensors are heard afresh: the estimate they spoke of is gone.
+    /// Both sensors are heard afresh: the estimate they spoke of is gone. What they said of each other
+    /// stands.
     pub(super) fn restart(&mut self) {
-        *self = Self::new();
+        *self = Self { agreements: self.agreements, ..Self::new() };
     }
 }
 

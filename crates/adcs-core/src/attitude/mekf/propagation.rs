@@ -126,26 +126,38 @@ impl<T: RealField + Copy> Ratios<T> {
 }
 
 /// 1 / (2n+1)!, n = 0 to 7.
-const SINE: [f64; 8] = reciprocal_factorials(1);
+const SINE: [f64; 8] = [
+    1.0,
+    1.0 / 6.0,
+    1.0 / 120.0,
+    1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    1.0 / 1_307_674_368_000.0,
+];
 /// 1 / (2n)!, n = 0 to 7.
-const COSINE: [f64; 8] = reciprocal_factorials(0);
+const COSINE: [f64; 8] = [
+    1.0,
+    1.0 / 2.0,
+    1.0 / 24.0,
+    1.0 / 720.0,
+    1.0 / 40_320.0,
+    1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 87_178_291_200.0,
+];
 /// 1 / (2n+3)!, n = 0 to 7.
-const DEFICIT: [f64; 8] = reciprocal_factorials(3);
-
-/// 1 / (2n + first)!, n = 0 to 7.
-const fn reciprocal_factorials(first: u32) -> [f64; 8] {
-    let (mut table, mut n) = ([0.0; 8], 0);
-    while n < table.len() {
-        let (mut factorial, mut factor) = (1.0, 1);
-        while factor <= 2 * n as u32 + first {
-            factorial *= factor as f64;
-            factor += 1;
-        }
-        table[n] = 1.0 / factorial;
-        n += 1;
-    }
-    table
-}
+const DEFICIT: [f64; 8] = [
+    1.0 / 6.0,
+    1.0 / 120.0,
+    1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
 
 /// Σ (−x)ⁿ cₙ by Horner's rule.
 fn series<T: RealField + Copy>(x: T, coefficients: [f64; 8]) -> T {

@@ -1,6 +1,8 @@
 //! The estimate while there is one: attitude, bias and their covariance.
 
-use nalgebra::{Matrix3, Matrix6, Quaternion, RealField, Unit, Vector3, Vector6, convert};
+use nalgebra::{
+    ComplexField, Matrix3, Matrix6, Quaternion, RealField, Unit, Vector3, Vector6, convert,
+};
 
 use super::propagation::{ProcessNoise, Step};
 use super::update::Correction;
@@ -68,7 +70,7 @@ impl<T: RealField + Copy> Tracked<T> {
 
     /// σ of θ and of Δβ.
     pub(super) fn sigma(&self) -> (Vector3<T>, Vector3<T>) {
-        let sigma: Vector6<T> = self.covariance.diagonal().map(|variance| variance.sqrt());
+        let sigma: Vector6<T> = self.covariance.diagonal().map(ComplexField::sqrt);
         (sigma.fixed_rows::<3>(0).into_owned(), sigma.fixed_rows::<3>(3).into_owned())
     }
 }

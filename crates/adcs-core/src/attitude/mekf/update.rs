@@ -70,7 +70,7 @@ pub(crate) fn absorb<T: RealField + Copy, const N: usize, const M: usize>(
     rows: &[Row<T, N>; M],
 ) -> Option<Correction<T, N>> {
     let start = Correction { states: SVector::zeros(), covariance: *covariance, nis: T::zero() };
-    let correction = rows.iter().try_fold(start, |before, row| before.and(row))?;
+    let correction = rows.iter().try_fold(start, Correction::and)?;
     let finite =
         correction.nis.is_finite() && correction.states.iter().all(ComplexField::is_finite);
     finite.then_some(correction)

@@ -177,7 +177,7 @@ impl Printed {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn every_tle_that_can_be_printed_is_read_exactly(printed in printed()) {

@@ -169,16 +169,14 @@ fn without_detours(path: &Path) -> PathBuf {
 fn parse(sources: &Sources, file: usize) -> Result<Table, MissionError> {
     let text = sources.files.get(file).map_or("", |(_, text)| text);
     let place = |span: Range<usize>| Place { file, start: span.start, end: span.end };
-    let (table, errors) = DeTable::parse_recoverable(text);
-    if errors.is_empty() {
-        return Ok(converted_table(file, table.into_inner()));
-    }
-    let problems = errors.iter().map(|error| {
-        let fault = Fault::new(format!("not TOML: {}", error.message()));
-        let span = error.span().unwrap_or(text.len()..text.len());
-        Problem::at(sources, place(span), "", fault)
-    });
-    Err(MissionError { problems: problems.collect() })
+    // Only the first error of syntax: those behind it are often its consequences.
+    let error = match DeTable::parse(text) {
+        Ok(table) => return Ok(converted_table(file, table.into_inner())),
+        Err(error) => error,
+    };
+    let fault = Fault::new(format!("not TOML: {}", error.message()));
+    let span = error.span().unwrap_or(text.len()..text.len());
+    Err(Problem::at(sources, place(span), "", fault).into())
 }
 
 fn converted_table(file: usize, table: DeTable<'_>) -> Table {

@@ -57,16 +57,24 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Something wrong at a place.
+    /// Something wrong at a place; an empty one at the top means the file as a whole.
     pub(super) fn at(
         sources: &Sources,
         place: Place,
         key: impl Into<String>,
         fault: Fault,
     ) -> Self {
+        if place.end == 0 {
+            let key = key.into();
+            return Self { key, ..Self::of_file(sources.path(place.file), fault) };
+        }
         let (line, column, text) = sources.locate(place);
         let room = text.chars().count().saturating_sub(column - 1);
-        let length = place.end.saturating_sub(place.start).min(room).max(1);
+        let length = match place.end.saturating_sub(place.start) {
+            // It goes on in the next line: only its beginning is marked.
+            length if length > room => 1,
+            length => length.max(1),
+        };
         Self {
             path: sources.path(place.file).to_owned(),
             line,

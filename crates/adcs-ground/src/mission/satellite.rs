@@ -54,20 +54,24 @@ pub(super) fn satellite(root: &Section) -> Option<Satellite> {
 }
 
 fn accept_inertia(section: &Section, rows: &[[f64; 3]; 3]) -> bool {
-    let Err(error) = Inertia::new(*rows) else { return true };
     let key = "inertia_kg_m2";
+    if let Some(axis) = (0..3).find(|&axis| rows[axis][axis] <= 0.0) {
+        let reason = format!("{} is impossible: a moment of inertia is positive", rows[axis][axis]);
+        section.refuse_at(section.place_within(key, &[axis, axis]), key, Fault::new(reason));
+        return false;
+    }
+    let Err(error) = Inertia::new(*rows) else { return true };
     let (place, advice) = match error {
         InertiaError::NotSymmetric { row, column } => (
             section.place_within(key, &[row.into(), column.into()]),
             "a tensor of inertia is symmetric",
         ),
         InertiaError::NotPositive { .. } => {
-            (section.place_of(key), "moments of inertia are positive: check the signs")
+            (section.place_of(key), "check the digits and the signs of the products")
         }
-        InertiaError::Triangle { .. } => (
-            section.place_of(key),
-            "no distribution of mass has that: check the digits and the signs of the products",
-        ),
+        InertiaError::Triangle { .. } => {
+            (section.place_of(key), "check the digits and the signs of the products")
+        }
         _ => (section.place_of(key), ""),
     };
     section.refuse_at(place, key, Fault::advising(format!("impossible: {error}"), advice));

@@ -78,6 +78,7 @@ pub(super) struct Section<'a> {
     table: &'a Table,
     asked: RefCell<Vec<&'static str>>,
     missing: RefCell<Vec<&'static str>>,
+    missing_sections: RefCell<Vec<&'static str>>,
 }
 
 impl<'a> Section<'a> {
@@ -95,6 +96,7 @@ impl<'a> Section<'a> {
             table,
             asked: RefCell::default(),
             missing: RefCell::default(),
+            missing_sections: RefCell::default(),
         }
     }
 
@@ -307,7 +309,7 @@ impl<'a> Section<'a> {
     pub fn section(&self, key: &'static str) -> Option<Self> {
         let section = self.optional_section(key)?;
         if section.is_none() {
-            self.missing.borrow_mut().push(key);
+            self.missing_sections.borrow_mut().push(key);
         }
         section
     }
@@ -368,12 +370,14 @@ impl<'a> Section<'a> {
     pub fn finish(&self) {
         let asked = self.asked.take();
         let mut missing = self.missing.take();
+        let mut sections = self.missing_sections.take();
         for (key, entry) in &self.table.entries {
             if asked.contains(&key.as_str()) {
                 continue;
             }
             let (fault, meant) = unknown(key, &asked);
             missing.retain(|missing| Some(*missing) != meant);
+            sections.retain(|section| Some(*section) != meant);
             self.problems.note(entry.key, self.path_of(key), fault);
         }
         for key in missing {
@@ -382,6 +386,10 @@ impl<'a> Section<'a> {
                 (_, None) => Fault::new("is missing"),
             };
             self.problems.note(self.place, self.path_of(key), fault);
+        }
+        for key in sections {
+            let fault = Fault::new(format!("the section [{}] is missing", self.path_of(key)));
+            self.problems.note(self.place, "", fault);
         }
     }
 }

@@ -8,12 +8,16 @@ use adcs_sim::scenario::SensorTruth;
 
 use super::misalignment;
 use super::problem::Fault;
-use super::section::{FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE, Section};
+use super::section::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE, Section};
 
 /// Nanotesla in a tesla.
 const NT_PER_T: f64 = 1e9;
 /// Millivolts in a volt.
 const MV_PER_V: f64 = 1e3;
+
+/// What the MCP3208 takes (DS21298E §1.0).
+const REFERENCE: Check =
+    Check::new(|x| (0.25..=5.5).contains(&x), "from 0.25 to 5.5, as the converter takes it");
 
 /// The names of a sensor's keys and how they become SI.
 struct Kind {
@@ -71,7 +75,7 @@ pub(super) struct Sensor {
 
 pub(super) fn converter(root: &Section) -> Option<ConverterConfig> {
     let section = root.section("converter")?;
-    let reference_v = section.number("reference_v", POSITIVE);
+    let reference_v = section.number("reference_v", REFERENCE);
     let rail_margin_codes = section.integer("rail_margin_codes", 0..=2047);
     section.finish();
     Some(ConverterConfig {
@@ -119,13 +123,12 @@ fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) ->
         sensitivity_v_per_si: (kind.volts_per_si)(sensitivity?) as f32,
     };
     if let Err(error) = AnalogTriad::new(wiring, converter?) {
-        let (at, key) = match error {
-            ConfigError::Reference { .. } => (root, "converter"),
-            ConfigError::Sensitivity { .. } => (&section, kind.sensitivity),
-            ConfigError::Zero { .. } => (&section, "zero_v"),
-            _ => (&section, "channels"),
+        let key = match error {
+            ConfigError::Sensitivity { .. } => kind.sensitivity,
+            ConfigError::Zero { .. } => "zero_v",
+            _ => "channels",
         };
-        at.refuse(key, Fault::new(error.to_string()));
+        section.refuse(key, Fault::new(error.to_string()));
     }
     let (truth, offset_from_torquers_m) = errors?;
     Some(Sensor { wiring, calibration: calibration?, truth, offset_from_torquers_m })

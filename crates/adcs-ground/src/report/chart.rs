@@ -249,10 +249,11 @@ impl Chart {
         if self.from_zero {
             (low, high) = (low.min(0.0), high.max(0.0));
         }
-        let room = match high - low {
-            0.0 => high.abs().max(1.0) * 0.5,
-            range => range * 0.05,
-        };
+        if low == high {
+            let room = low.abs().max(1.0);
+            return (low - room, high + room);
+        }
+        let room = (high - low) * 0.05;
         let keep_zero =
             |edge: f64, moved: f64| if self.from_zero && edge == 0.0 { 0.0 } else { moved };
         (keep_zero(low, low - room), keep_zero(high, high + room))

@@ -70,7 +70,7 @@ pub struct Rates {
     pub end_norm_deg_s: f64,
     /// Length at the end over that at the start; `None` from rest.
     pub ratio: Option<f64>,
-    /// The rate now and then.
+    /// The rate every 300 s, and at the end.
     pub listed: Vec<RateAt>,
 }
 
@@ -197,8 +197,11 @@ pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row]) -> Option<Summary> 
 
 fn listed(rows: &[Row], cycle_s: f64) -> Vec<RateAt> {
     let every = (RATE_EVERY_S / cycle_s).round().max(1.0) as usize;
+    let last = rows.len().saturating_sub(1);
     rows.iter()
-        .step_by(every)
+        .enumerate()
+        .filter(|(index, _)| index % every == 0 || *index == last)
+        .map(|(_, row)| row)
         .map(|row| RateAt {
             time_s: row.time_s,
             rate_deg_s: row.rate_deg_s,

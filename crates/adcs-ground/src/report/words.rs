@@ -105,12 +105,17 @@ pub fn first_minute() -> String {
 pub fn energy(summary: &Summary) -> String {
     let energy = &summary.energy;
     let ratio = energy.ratio.map_or_else(String::new, |ratio| format!(", a ratio of {ratio:.3}"));
+    let work = match summary.control.acting_cycles {
+        0 => "All of the change is the disturbances'.".to_owned(),
+        _ => format!(
+            "The control torque did {:+.4} mJ of work; the rest is the disturbances'.",
+            summary.control.work_j * 1e3
+        ),
+    };
     format!(
-        "{:.4} mJ at the start, {:.4} mJ at the end{ratio}. The control torque did {:+.4} mJ of work; \
-         the rest is the disturbances'.",
+        "{:.4} mJ at the start, {:.4} mJ at the end{ratio}. {work}",
         energy.start_j * 1e3,
-        energy.end_j * 1e3,
-        summary.control.work_j * 1e3
+        energy.end_j * 1e3
     )
 }
 

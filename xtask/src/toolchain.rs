@@ -146,6 +146,9 @@ fn take(step: Step, sysroot: Option<&Path>) -> Result<Toolchain> {
         Step::AddWithRustup => {
             say(&format!("adding target {TARGET} with rustup"));
             Program::new("rustup", ["target", "add", TARGET]).run()?;
+            if !sysroot.is_some_and(has_target) {
+                bail!("rustup added {TARGET} to another toolchain than the one in use");
+            }
             Ok(Toolchain::Installed)
         }
         Step::InstallDebian => {

@@ -20,7 +20,7 @@
 //! | det B, \|B\|² | `determinant`, `norm_squared` | determinant; squared Frobenius norm |
 //! | λ | `lambda` | largest eigenvalue of K |
 //!
-//! Source: Markley & Crassidis (2014), §5.3; Keat (1977) for K. B is made as b rᵀ: some texts make
+//! Source: Markley & Crassidis (2014), §§5.2, 5.3.1. B is made as b rᵀ: some texts make
 //! r bᵀ, and then every A is transposed.
 
 use nalgebra::{Matrix3, Matrix4, RealField, Vector3};
@@ -71,8 +71,8 @@ impl<T: RealField + Copy> Profile<T> {
     }
 }
 
-/// Newton steps for λ: two or three when the pairs nearly agree. Two pairs that contradict each
-/// other as much as they can (λ = 0 with B = 0 aside) take 17.
+/// Newton steps for λ: two or three when the pairs nearly agree. From far above λ a step still gains a
+/// quarter, so this is enough for pairs that contradict each other as well.
 const MAX_NEWTON_STEPS: usize = 20;
 /// Rounding errors of order ε that meet in one value of the polynomial.
 const ROUNDINGS: f64 = 16.0;
@@ -85,11 +85,11 @@ const ROUNDINGS: f64 = 16.0;
 /// steps never overshoot.
 ///
 /// QUEST's polynomial is the same, written out in powers of λ; there, with nearly parallel vectors
-/// or one heavy weight, the coefficients cancel to half the digits. In this form p stays known to
-/// about ε |λ² − |B|²|, and p′ falls no faster than that, so that λ is good to a few ε. Steps end where
-/// p is nothing but rounding.
+/// or one heavy weight, the coefficients cancel to half the digits. In this form p is known to about
+/// ε |λ² − |B|²|, and with such vectors p′ is as large as |λ² − |B|²|, so that λ is good to a few ε.
+/// Steps end where p is nothing but rounding.
 ///
-/// Source: Markley (1993), J. Astronaut. Sci. 41(2), eq. (21); Markley & Crassidis (2014), eq. (5.45).
+/// Source: Markley (1993), J. Astronaut. Sci. 41(2), eq. (23).
 fn largest_eigenvalue<T: RealField + Copy>(norm_squared: T, det: T, adj_squared: T) -> T {
     let (four, eight) = (number::<T>(4.0), number::<T>(8.0));
     let rounding = number::<T>(ROUNDINGS) * T::default_epsilon();

@@ -1,7 +1,7 @@
 //! FOAM: the fast optimal attitude matrix.
 //!
-//! With B = U diag(s₁, s₂, d s₃) Vᵀ (d = det U det V = ±1) the best attitude is A = U Vᵀ diag-wise,
-//! A = U diag(1, 1, d) Vᵀ. Markley found it without the decomposition:
+//! With the singular value decomposition B = U diag(s₁, s₂, d s₃) Vᵀ, U and V rotations, d = ±1 the
+//! sign of det B, the best attitude is A = U Vᵀ. Markley found it without the decomposition:
 //!
 //! A = [(κ + |B|²) B + λ adj Bᵀ − B Bᵀ B] / ζ
 //!
@@ -14,7 +14,7 @@
 //!
 //! ζ contains the margin s₂ + d s₃ as a factor and goes to zero with it.
 //!
-//! Source: Markley (1993), J. Astronaut. Sci. 41(2), eqs. (11)–(16); derivation in docs/attitude.
+//! Source: Markley (1993), J. Astronaut. Sci. 41(2), eqs. (14), (18), (19); derivation in docs/attitude.
 
 use nalgebra::{Matrix3, RealField, UnitQuaternion};
 

@@ -11,8 +11,8 @@
 //!
 //! L(A) = ½ Σ a_i |b_i − A r_i|², a_i = σ_i⁻² / Σ σ_j⁻²
 //!
-//! and share what comes after: [`optimum`] takes the attitude that the method found to the last
-//! digit and proves it to be the optimum. [`Method::Triad`] keeps the first direction and uses two.
+//! and share what comes after: the attitude that the method found is taken to the last digit and
+//! proved to be the optimum (`optimum.rs`). [`Method::Triad`] keeps the first direction and uses two.
 //!
 //! ```
 //! use adcs_core::attitude::{Method, Observation};
@@ -150,4 +150,51 @@ fn number<T: RealField>(value: f64) -> T {
 fn quaternion<T: RealField + Copy>(a: &Matrix3<T>) -> UnitQuaternion<T> {
     let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*a));
     UnitQuaternion::new_normalize(q.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Vector;
+    use nalgebra::{Quaternion, Vector3};
+    use proptest::prelude::*;
+
+    /// What a method loses beside rounding of B, as a multiple of ε / margin.
+    const ROUNDINGS: f64 = 50.0;
+
+    const DIRECTION: [core::ops::Range<f64>; 3] = [0.05..1.0, -1.0..1.0, -1.0..1.0];
+    /// Any rotation.
+    const ANY: [core::ops::Range<f64>; 4] = [0.05..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0];
+    /// By 180 deg about any axis.
+    const HALF: [core::ops::Range<f64>; 4] = [0.0..1e-300, 0.05..1.0, -1.0..1.0, -1.0..1.0];
+
+    proptest! {
+        /// Without what makes the last digits, so that it hides nothing.
+        #[test]
+        fn each_optimal_method_finds_the_optimum_by_itself(
+            q in prop_oneof![ANY, HALF],
+            references in [DIRECTION, DIRECTION, DIRECTION],
+            errors in [[-0.1..0.1, -0.1..0.1, -0.1..0.1], [-0.1..0.1, -0.1..0.1, -0.1..0.1], [-0.1..0.1_f64, -0.1..0.1, -0.1..0.1]],
+            sigmas in [0.01..0.1_f64, 0.01..0.1, 0.01..0.1],
+        ) {
+            let [w, x, y, z] = q;
+            let q = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+            let pairs: [_; 3] = core::array::from_fn(|i| {
+                let reference = Vector3::from(references[i]);
+                let body = q * (reference + Vector3::from(errors[i]));
+                Observation::new(Vector::from_xyz(body), Vector::from_xyz(reference), sigmas[i]).unwrap()
+            });
+            let problem = Problem::new(&pairs).unwrap();
+            let profile = Profile::of(&problem);
+            for start in [foam::attitude, q_method::attitude, quest::attitude] {
+                let Ok(best) = optimum::find(&problem, None) else {
+                    return Err(TestCaseError::reject("parallel"));
+                };
+                prop_assume!(best.margin > 1e-6);
+                let found = start(&profile).unwrap();
+                let error = found.angle_to(&best.attitude.hamilton());
+                prop_assert!(error * best.margin < ROUNDINGS * f64::EPSILON, "{error} {}", best.margin);
+            }
+        }
+    }
 }

@@ -1,45 +1,50 @@
 //! The last digits, and the proof: from a method's attitude to the certified minimum of the loss.
 //!
-//! Each method finds the attitude from B or K, whose components are rounded at ε; rounding turns
-//! its answer by about ε / margin, which is nothing for Sun and field (margin 0.1) and everything for
-//! a star tracker beside a magnetometer (margin 10⁻⁸). Here the loss itself is followed downhill
-//! from there, on residuals that do not cancel, in axes in which no weight drowns another
+//! Each method finds the attitude from B, whose components are rounded at ε; that turns its answer
+//! by about ε / margin, which is nothing for Sun and field (margin 0.03) and everything for a star
+//! tracker beside a magnetometer (margin 10⁻⁸, in f32). Here the loss itself is followed downhill from
+//! there, on residuals that do not cancel, in axes in which no weight drowns another
 //! ([`information`](super::information)).
 //!
 //! A step solves H δ = g for the small rotation δ, but takes the part about the weak direction n as
 //! the angle φ of (cos φ, sin φ) ∝ (nᵀHn, nᵀg), which is exact for a turn about a single axis, from
 //! however far away. From a good start one step is made, and it is of the size of rounding.
 //!
-//! The result is reported only if it is proved: the last step is at rounding and H is positive beyond
-//! rounding. On the sphere of quaternions the loss 1 − qᵀKq has no minimum but the global one, so
-//! this is the optimum of Wahba's problem wherever the climb began. If it cannot be proved, a second
-//! climb begins from an attitude under which the sharpest pair agrees; if that fails too, the
-//! attitude is not unique in this precision.
+//! The result is reported only if it is proved: what remains of the step is rounding and H is positive
+//! beyond rounding. On the sphere of quaternions the loss 1 − qᵀKq has no minimum but the global one,
+//! so this is the optimum of Wahba's problem wherever the climb began. If it cannot be proved, or if
+//! the method found nothing, a climb begins from an attitude under which the sharpest pair agrees; if
+//! that fails too, the attitude is not unique in this precision.
 
 use nalgebra::{ComplexField, Matrix3, Quaternion, RealField, UnitQuaternion, Vector2, Vector3};
 
 use super::information::{Eliminated, Information};
-use super::problem::Problem;
+use super::problem::{Pair, Problem};
 use super::{Estimate, NoAttitude, number, quaternion};
 use crate::frames::Rotation;
 
 /// An attitude counts as unique if rounding of the unit vectors' components can turn it by no more
-/// than this: 0.01 deg, below any attitude sensor but a star tracker.
+/// than this: 0.06 deg, a tenth of what a Sun sensor of this class is wrong by.
 ///
-/// A component carries an error ε, which shifts nᵀg by up to ε W, W = Σ a_i (|n × b_i| + |n × c_i|), and
-/// thus turns the attitude by ε W / nᵀHn. For pairs that agree and stand an angle s apart that is about
-/// 2 ε / s, whatever the weights: f32 accepts from s = 1.2e-3 rad (0.07 deg), f64 from 2e-12 rad. For pairs
-/// that contradict each other it is ε / margin: f32 accepts margins from 6e-4, f64 from 1e-12. Pairs that
-/// are parallel but for their own rounding have W ε ≈ nᵀHn and miss the bar by a factor of 5,000.
+/// A component carries an error ε. It shifts nᵀg by up to ε W, W = Σ a_i (|n × b_i| + |n × c_i|), and thus
+/// turns the attitude by ε W / nᵀHn. The bar is on that angle and not on the margin nᵀHn itself, because a
+/// small margin has two causes: parallel pairs, where W / nᵀHn is large, and a light weight, where it
+/// is not.
+///
+/// - Pairs that agree and stand an angle s apart: 2 to 4 ε / s, whatever the weights. f32 accepts from
+///   s = 4e-4 rad (0.02 deg), f64 from 1e-12 rad.
+/// - Pairs that contradict each other: some ε / margin. f32 accepts margins from 3e-4, f64 from 1e-12.
+/// - Pairs that are parallel but for rounding: about 1 rad in either precision, a thousand times the bar.
 pub(super) const MAX_TURN_BY_ROUNDING_RAD: f64 = 1e-3;
 
-/// A step this many times the effect of rounding is rounding.
+/// A step about n that is no longer than this many times the effect of rounding is rounding.
 const STEP_IN_ROUNDINGS: f64 = 16.0;
 
-/// How well nᵀHn, the information about the weak direction, is to be known.
+/// How well nᵀHn, on which uniqueness is judged, is to be known.
 const ROLL_RELATIVE: f64 = 0.01;
 
-/// Steps converge quadratically; a start that knows nothing but the sharpest pair needs three or four.
+/// One step is made as a rule. Pairs that are both close together and noisier than they are apart take
+/// more, in f32 up to this many; where that is not enough, rounding rules.
 const MAX_STEPS: usize = 12;
 
 /// The minimum of the loss, from the attitude that a method found, if it found one.
@@ -78,10 +83,11 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
         let flat = NoAttitude::NotUnique { margin: 0.0 };
         let mut attitude = start;
         for _ in 0..MAX_STEPS {
-            let (gradient, information) = self.slope(&attitude);
+            let a = self.axes * attitude.to_rotation_matrix().into_inner();
+            let (gradient, information) = self.slope(&a);
             let eliminated = information.eliminate(self.smallest_information).ok_or(flat)?;
             let step = Step::new(&gradient, &eliminated).ok_or(flat)?;
-            let amplification = self.amplification(&attitude, &eliminated);
+            let amplification = self.amplification(&a, &eliminated);
             attitude = self.turned(&attitude, &step);
             if eliminated.roll > T::zero() && step.is_last(amplification) {
                 let margin = information.smallest_eigenvalue(&eliminated);
@@ -99,20 +105,23 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
         Err(flat)
     }
 
-    /// Every pair, with the sharpest measurement exactly along the first axis.
-    fn sights(&self, attitude: &UnitQuaternion<T>) -> impl Iterator<Item = Sight<T>> {
-        let to_axes = self.axes;
-        let a = to_axes * attitude.to_rotation_matrix().into_inner();
+    /// b of a pair; of the sharpest exactly the first axis.
+    fn body(&self, pair: &Pair<T>) -> Vector3<T> {
+        if pair.is_sharpest { Vector3::x() } else { self.axes * pair.body }
+    }
+
+    /// Every pair, under the attitude matrix `a` from Eci to the axes of the climb.
+    fn sights(&self, a: &Matrix3<T>) -> impl Iterator<Item = Sight<T>> {
         self.problem.pairs().map(move |pair| {
-            let b = if pair.is_sharpest { Vector3::x() } else { to_axes * pair.body };
-            Sight { weight: pair.weight, b, c: a * pair.reference, is_sharpest: pair.is_sharpest }
+            let (b, c) = (self.body(&pair), a * pair.reference);
+            Sight { weight: pair.weight, b, c, is_sharpest: pair.is_sharpest }
         })
     }
 
     /// g and H.
-    fn slope(&self, attitude: &UnitQuaternion<T>) -> (Vector3<T>, Information<T>) {
-        self.sights(attitude).fold((Vector3::zeros(), Information::zero()), |(g, h), sight| {
-            let Sight { weight, b, c, .. } = sight;
+    fn slope(&self, a: &Matrix3<T>) -> (Vector3<T>, Information<T>) {
+        let nothing = (Vector3::zeros(), Information::zero());
+        self.sights(a).fold(nothing, |(g, h), Sight { weight, b, c, .. }| {
             (g + c.cross(&b) * weight, h.plus(weight, &b, &c))
         })
     }
@@ -120,9 +129,9 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
     /// W / nᵀHn, W = Σ a_i (|n × b_i| + |n × c_i|) in the sum norm: how far an error of all
     /// components turns the attitude about n. The sharpest pair lacks the second term: an error of
     /// its measurement turns the axes of the climb, not the attitude in them.
-    fn amplification(&self, attitude: &UnitQuaternion<T>, eliminated: &Eliminated<T>) -> T {
+    fn amplification(&self, a: &Matrix3<T>, eliminated: &Eliminated<T>) -> T {
         let n = eliminated.weak_direction();
-        let spread = self.sights(attitude).fold(T::zero(), |spread, sight| {
+        let spread = self.sights(a).fold(T::zero(), |spread, sight| {
             let Sight { weight, b, c, is_sharpest } = sight;
             let reference = n.cross(&b).abs().sum();
             let body = if is_sharpest { T::zero() } else { n.cross(&c).abs().sum() };
@@ -133,11 +142,10 @@ impl<T: RealField + Copy> Climb<'_, '_, T> {
 
     /// [Σ σ_i⁻² (I − b_i b_iᵀ)]⁻¹, Body, rad².
     fn covariance(&self) -> Option<Matrix3<T>> {
-        let information = self
-            .sights(&UnitQuaternion::identity())
-            .fold(Information::zero(), |information, Sight { weight, b, .. }| {
-                information.plus(weight, &b, &b)
-            });
+        let information = self.problem.pairs().fold(Information::zero(), |information, pair| {
+            let b = self.body(&pair);
+            information.plus(pair.weight, &b, &b)
+        });
         let eliminated = information
             .eliminate(self.smallest_information)
             .filter(|eliminated| eliminated.roll > T::zero())?;
@@ -199,5 +207,70 @@ impl<T: RealField + Copy> Step<T> {
         self.about_weak.abs() <= quadratic.max(rounding)
             && self.across <= quadratic
             && self.across * amplification <= number(ROLL_RELATIVE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::attitude::Observation;
+    use crate::frames::Vector;
+    use proptest::prelude::*;
+
+    const DIRECTION: [core::ops::Range<f64>; 3] = [0.05..1.0, -1.0..1.0, -1.0..1.0];
+    /// Step of the differences, rad.
+    const STEP_RAD: f64 = 1e-4;
+    /// Second differences of a function of order one: rounding over the step squared, and fourth-order
+    /// terms.
+    const NUMERICAL: f64 = 1e-6;
+
+    proptest! {
+        /// Numerical Jacobian and Hessian of the loss over small rotations of Body.
+        #[test]
+        fn gradient_and_curvature_are_those_of_the_loss(
+            bodies in [DIRECTION, DIRECTION, DIRECTION],
+            references in [DIRECTION, DIRECTION, DIRECTION],
+            sigmas in [0.1..1.0, 0.1..1.0, 0.1..1.0_f64],
+            start in DIRECTION,
+        ) {
+            let pairs: [_; 3] = core::array::from_fn(|i| {
+                let (body, eci) = (Vector::from_xyz(bodies[i].into()), Vector::from_xyz(references[i].into()));
+                Observation::new(body, eci, sigmas[i]).unwrap()
+            });
+            let problem = Problem::new(&pairs).unwrap();
+            let climb = Climb { problem: &problem, axes: problem.sharpest_body_axes(), smallest_information: 1e-12 };
+            let loss = |attitude: &UnitQuaternion<f64>, delta: Vector3<f64>| {
+                problem.loss(&(UnitQuaternion::from_scaled_axis(climb.axes.tr_mul(&delta)) * attitude))
+            };
+            let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis * STEP_RAD);
+            let slope = |attitude: &UnitQuaternion<f64>| {
+                climb.slope(&(climb.axes * attitude.to_rotation_matrix().into_inner()))
+            };
+
+            // The gradient anywhere, g = −∂L/∂δ.
+            let anywhere = UnitQuaternion::from_scaled_axis(start.into());
+            let (gradient, _) = slope(&anywhere);
+            for (g, axis) in gradient.iter().zip(axes) {
+                let numerical = (loss(&anywhere, axis) - loss(&anywhere, -axis)) / (2.0 * STEP_RAD);
+                prop_assert!((g + numerical).abs() < NUMERICAL, "{g} {numerical}");
+            }
+
+            // The curvature at the optimum, where the coupling is complete: through its inverse.
+            let Ok(best) = find(&problem, None) else {
+                return Err(TestCaseError::reject("not unique"));
+            };
+            prop_assume!(best.margin > 1e-2);
+            let best_attitude = best.attitude.hamilton();
+            let at = |delta| loss(&best_attitude, delta);
+            let numerical = Matrix3::from_fn(|i, j| {
+                let (a, b) = (axes[i], axes[j]);
+                (at(a + b) - at(a - b) - at(b - a) + at(-a - b)) / (4.0 * STEP_RAD * STEP_RAD)
+            });
+            let inverse = slope(&best_attitude).1.eliminate(1e-12).unwrap().inverse_in(&Matrix3::identity());
+            let product = inverse * numerical - Matrix3::identity();
+            prop_assert!(product.amax() < NUMERICAL / (best.margin * best.margin), "{product}");
+            let smallest = numerical.symmetric_eigenvalues().min();
+            prop_assert!((best.margin - smallest).abs() < NUMERICAL, "{} {smallest}", best.margin);
+        }
     }
 }

@@ -14,8 +14,8 @@ pub(super) struct Problem<'a, T: RealField + Copy> {
     observations: &'a [Observation<T>],
     sharpest: &'a Observation<T>,
     sharpest_index: usize,
-    /// Σ (σ_min / σ_j)², at least one.
-    total: T,
+    /// 1 / Σ (σ_min / σ_j)², the weight of the sharpest pair.
+    largest_weight: T,
 }
 
 /// One pair of the problem.
@@ -46,15 +46,15 @@ impl<'a, T: RealField + Copy> Problem<'a, T> {
         let total = observations
             .iter()
             .fold(T::zero(), |sum, observation| sum + relative_weight(sharpest, observation));
-        Ok(Self { observations, sharpest, sharpest_index, total })
+        Ok(Self { observations, sharpest, sharpest_index, largest_weight: T::one() / total })
     }
 
     /// The pairs, in the order in which they were given.
     pub fn pairs(&self) -> impl Iterator<Item = Pair<T>> + use<'a, T> {
-        let Self { observations, sharpest, sharpest_index, total } = *self;
+        let Self { observations, sharpest, sharpest_index, largest_weight } = *self;
         observations.iter().enumerate().map(move |(index, observation)| {
             let (body, reference) = observation.units();
-            let weight = relative_weight(sharpest, observation) / total;
+            let weight = relative_weight(sharpest, observation) * largest_weight;
             Pair { weight, body, reference, is_sharpest: index == sharpest_index }
         })
     }
@@ -70,7 +70,7 @@ impl<'a, T: RealField + Copy> Problem<'a, T> {
 
     /// (Σ σ_j⁻²)⁻¹, rad²: what turns a matrix made with the weights into one made with σ_i⁻².
     pub fn variance_rad2(&self) -> T {
-        self.sharpest.sigma_rad() * self.sharpest.sigma_rad() / self.total
+        self.sharpest.sigma_rad() * self.sharpest.sigma_rad() * self.largest_weight
     }
 
     /// Rotation matrix from Body to axes of which the first is the sharpest measurement.

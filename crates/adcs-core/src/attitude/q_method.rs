@@ -4,13 +4,14 @@
 //! from the adjugate: as (K − λI) adj(K − λI) = det(K − λI) I = 0, each column of adj(K − λI) is a
 //! multiple of the eigenvector. The longest is taken, so that no rotation is singular.
 //!
-//! Why no general eigen-solver: on the flight core, in f32, nalgebra's symmetric 4×4 solver costs
-//! some 4,600 instructions, and Jacobi's method half that, for four eigenvectors of which three
-//! are thrown away. λ lies just below 1, where Newton's method needs two or three steps of twelve
-//! operations, and the adjugate of a symmetric 4×4 matrix is twelve 2×2 minors. The accuracy is
-//! the same: both give q to about ε / margin, which is what rounding of K itself does to it.
+//! Why no general eigen-solver: on the flight core, in f32, nalgebra's for symmetric 4×4 matrices
+//! takes some 4,600 instructions, for four eigenvectors of which three are thrown away; the whole of
+//! this method, with the proof of its optimum and the covariance, takes 2,000. λ lies just below 1,
+//! where Newton's method needs two or three steps of a dozen operations, and the adjugate is eleven
+//! 2×2 minors. Nothing is lost: either way q is good to about ε / margin, which is what rounding of K
+//! itself does to it.
 //!
-//! Source: Markley & Crassidis (2014), §5.3.1; Lerner in Wertz (1978), §12.2.2.
+//! Source: Davenport's method after Markley & Crassidis (2014), §5.3.1.
 
 use nalgebra::{Matrix4, Quaternion, RealField, UnitQuaternion, Vector4};
 

@@ -18,8 +18,8 @@
 //! 180 deg about one of their axes (*sequential rotations*): of q and its three turned forms, one has
 //! a scalar part of at least ½.
 //!
-//! Source: Shuster & Oh (1981), J. Guidance and Control 4(1), eqs. (63)–(75). λ is from Markley's
-//! form of their polynomial, which loses fewer digits.
+//! Source: Shuster & Oh (1981), J. Guidance and Control 4(1); Markley & Crassidis (2014), §5.3.2. λ is
+//! from Markley's form of their polynomial, which loses fewer digits.
 
 use nalgebra::{Matrix3, Quaternion, RealField, UnitQuaternion, Vector3};
 

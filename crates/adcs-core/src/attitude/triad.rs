@@ -15,7 +15,8 @@
 //!
 //! (Shuster and Oh's covariance, written as a sum of squares.)
 //!
-//! Source: Black (1964), AIAA J. 2(7); covariance Shuster & Oh (1981), J. Guidance and Control 4(1).
+//! Source: Black (1964), AIAA J. 2(7); Markley & Crassidis (2014), §5.1; covariance Shuster & Oh
+//! (1981), J. Guidance and Control 4(1).
 
 use nalgebra::{Matrix3, RealField, Vector3};
 

@@ -143,33 +143,40 @@ proptest! {
         }
     }
 
+    /// Numerical Jacobian of every method, for errors of each measurement about each axis.
     #[test]
-    fn the_triad_covariance_is_that_of_the_second_order_geometry(
+    fn the_covariance_is_what_errors_of_the_measurements_make_of_the_attitude(
         q in rotation(),
-        references in prop::collection::vec(direction(), 2).prop_filter("parallel", |r| separated(r)),
-        sigmas in prop::collection::vec(1e-3..1e-1_f64, 2),
+        references in prop::collection::vec(direction(), 2..5).prop_filter("parallel", |r| separated(r)),
+        sigmas in prop::collection::vec(1e-3..1e-1_f64, 4),
     ) {
-        // Numerical Jacobian of TRIAD for errors of b₁ and b₂ about each axis.
         const STEP_RAD: f64 = 1e-6;
-        // Second-order terms, relative.
-        const NUMERICAL: f64 = 1e-4;
-        let pair = |i: usize, turn: UnitQuaternion<f64>| Pair {
-            body: turn * (q * references[i]), reference: references[i], sigma_rad: sigmas[i],
-        };
-        let none = UnitQuaternion::identity();
-        let nominal = solve(Method::Triad, &[pair(0, none), pair(1, none)]).unwrap();
-        let mut expected = Matrix3::zeros();
-        for i in 0..2 {
-            for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-                let turn = UnitQuaternion::from_scaled_axis(axis * STEP_RAD);
-                let turns = if i == 0 { [turn, none] } else { [none, turn] };
-                let moved = solve(Method::Triad, &[pair(0, turns[0]), pair(1, turns[1])]).unwrap();
-                let error = (moved.attitude * nominal.attitude.inverse()).hamilton().scaled_axis();
-                expected += error * error.transpose() * (sigmas[i] / STEP_RAD).powi(2);
+        /// Terms of second order, relative.
+        const NUMERICAL: f64 = 1e-3;
+        for method in [Method::Triad, Method::Foam, Method::QMethod, Method::Quest] {
+            let used = if method == Method::Triad { 2 } else { references.len() };
+            let moved = |moved: usize, turn: UnitQuaternion<f64>| {
+                let pairs: Vec<_> = (0..used)
+                    .map(|i| Pair {
+                        body: if i == moved { turn * (q * references[i]) } else { q * references[i] },
+                        reference: references[i],
+                        sigma_rad: sigmas[i],
+                    })
+                    .collect();
+                solve(method, &pairs).unwrap()
+            };
+            let nominal = moved(0, UnitQuaternion::identity());
+            let mut expected = Matrix3::zeros();
+            for (i, sigma_rad) in sigmas.iter().enumerate().take(used) {
+                for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                    let turned = moved(i, UnitQuaternion::from_scaled_axis(axis * STEP_RAD));
+                    let error = (turned.attitude * nominal.attitude.inverse()).hamilton().scaled_axis();
+                    expected += error * error.transpose() * (sigma_rad / STEP_RAD).powi(2);
+                }
             }
+            let difference = (nominal.covariance_rad2 - expected).amax();
+            prop_assert!(difference < NUMERICAL * expected.amax(), "{method:?} {nominal:?} {expected}");
         }
-        let difference = (nominal.covariance_rad2 - expected).amax();
-        prop_assert!(difference < NUMERICAL * expected.amax(), "{} {expected}", nominal.covariance_rad2);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use core::{cell::RefCell, convert::Infallible, hint::black_box};
 
 use adcs_app::FlightApp;
 use adcs_core::{
+    attitude::{Method, Observation},
     control::b_dot::{BDot, BDotGain},
     environment::field::FieldModel,
     frames::Vector,
@@ -31,6 +32,7 @@ const TRUTH_STEPS: u32 = 25;
 /// Counts every stage and prints the results. Nothing here fails with the constants given.
 pub fn run(counter: &Counter) {
     models(counter);
+    attitude(counter);
     cycle(counter, &despin(Readings::Exact));
     cycle_with_chips(counter, &despin(Readings::Drivers));
 }
@@ -61,6 +63,22 @@ fn models(counter: &Counter) {
     stage.count("gmst82", now, |now| gmst82_rad(now.julian_date()));
     stage.count("reference_field", position, |position| reference.eci_t(now, position));
     stage.count("b_dot", (law, omega, field), |(law, omega, field)| law.dipole(omega, field));
+}
+
+/// The attitude from Sun and field that disagree by a degree or two.
+fn attitude(counter: &Counter) {
+    let pair = |body: [f32; 3], reference: [f32; 3], sigma_rad| {
+        let (body, reference) = (Vector::from_xyz(body.into()), Vector::from_xyz(reference.into()));
+        Observation::new(body, reference, sigma_rad).expect("directions")
+    };
+    let sun = pair([0.164, 0.976, -0.144], [-0.441, 0.822, 0.361], 0.0116);
+    let field = pair([0.37e-5, -3.4e-5, -0.84e-5], [2.76e-5, -2.0e-5, -0.8e-5], 0.05);
+    let stage = Stage { counter };
+    let pairs = [sun, field];
+    stage.count("triad", pairs, |pairs| Method::Triad.solve(&pairs));
+    stage.count("foam", pairs, |pairs| Method::Foam.solve(&pairs));
+    stage.count("q_method", pairs, |pairs| Method::QMethod.solve(&pairs));
+    stage.count("quest", pairs, |pairs| Method::Quest.solve(&pairs));
 }
 
 /// The truth's step, and the costliest cycle of a round without the cost of any chip.

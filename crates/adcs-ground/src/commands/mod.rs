@@ -2,6 +2,7 @@
 
 mod console;
 pub mod eclipse;
+pub mod estimate;
 pub mod field;
 mod files;
 pub mod fly;

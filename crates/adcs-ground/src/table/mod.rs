@@ -10,6 +10,7 @@
 //! `nan` in the computed columns and the reason in the last; it is reported by line and column, and the
 //! rows after it are computed all the same. Nothing is held in memory but the row at hand.
 
+mod beside;
 mod convert;
 mod fields;
 mod header;
@@ -24,6 +25,7 @@ use std::io;
 
 use row::shown;
 
+pub use beside::read as read_beside;
 pub use convert::{BadRow, Cells, RowCommand, Tally, convert};
 pub use header::{Column, Header};
 pub(crate) use job::{name_of, open};

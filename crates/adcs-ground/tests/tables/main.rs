@@ -1,8 +1,8 @@
 //! The commands on tables, as a user runs them, against the reference data of the libraries.
 //!
 //! `cargo test -p adcs-ground --test tables -- --nocapture` prints the largest difference of each
-//! quantity beside its bar. The data are those of the crates below; where they come from stands in the
-//! `README.md` beside them.
+//! quantity beside its bar. The data are those of the libraries (`crates/*/tests/data`), where it is
+//! written where they come from.
 
 mod any_bytes;
 mod bad_input;

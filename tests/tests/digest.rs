@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use adcs_ground::emulator::Emulator;
+use adcs_ground::flight::Patient;
 use adcs_tests::{fly, mission};
 
 fn digests(name: &str) -> (u64, u64) {
@@ -18,8 +19,10 @@ fn digests(name: &str) -> (u64, u64) {
     let mut buffer = [0; 4096];
     let bytes = postcard::to_slice(&scenario, &mut buffer).expect("a scenario has bytes");
     let emulator = Emulator::new(Path::new(&image)).unwrap_or_else(|error| panic!("{error:#}"));
-    let landing =
-        emulator.fly(bytes, &folder, |_| {}).unwrap_or_else(|error| panic!("{name}: {error:#}"));
+    let landing = emulator
+        .fly(bytes, &folder, &mut Patient)
+        .unwrap_or_else(|error| panic!("{name}: {error:#}"))
+        .expect("a patient watcher stops no flight");
     println!("{name}: host {host:016x}, emulated {:016x}", landing.digest);
     (host, landing.digest)
 }

@@ -286,3 +286,18 @@ fn a_missing_image_is_said_with_the_command_that_makes_it() {
         assert!(!out.exists());
     }
 }
+
+#[test]
+fn a_missing_emulator_is_said_with_the_command_that_gets_it() {
+    let out = folder("no-emulator");
+    let arguments = ["fly", CALIBRATED, "--on", "m4", "--out", out.to_str().unwrap()];
+    // Any file does for an image that nothing will run.
+    let output = adcs(&[&arguments[..], &["--image", "Cargo.toml"]].concat())
+        .env("ADCS_QEMU", "no-such-emulator")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("no-such-emulator") && said.contains("cargo xtask setup"), "{said}");
+    assert_eq!(said.matches("error:").count(), 1, "{said}");
+}

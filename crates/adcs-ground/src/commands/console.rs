@@ -1,5 +1,6 @@
 //! A flight as the person at the terminal sees it: how far it is, what the image says, and Ctrl-C.
 
+use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,6 +37,17 @@ impl Stop {
 /// Exit code of a program that was interrupted, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
+/// Prints a line to standard output. One that nobody reads any more is no reason to end: the results
+/// are in the output folder.
+pub fn print(line: impl Display) {
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// Prints a line to standard error, likewise.
+pub fn complain(line: impl Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// Watches one flight: a bar on a terminal, a line each tenth elsewhere.
 #[derive(Debug)]
 pub struct Console {
@@ -71,13 +83,9 @@ impl Console {
     }
 
     fn say(&self, line: &str) {
-        // A standard error that cannot be written is no reason to end a flight.
-        let write = || {
-            let _ = writeln!(io::stderr(), "{line}");
-        };
         match &self.bar {
-            Some(bar) => bar.suspend(write),
-            None => write(),
+            Some(bar) => bar.suspend(|| complain(line)),
+            None => complain(line),
         }
     }
 }

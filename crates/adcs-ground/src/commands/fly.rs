@@ -12,9 +12,9 @@ use adcs_ground::report::{self, Summary};
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
 
-use super::console::{Console, INTERRUPTED, Stop};
+use super::console::{Console, INTERRUPTED, Stop, complain, print};
 
-/// Fly a mission and write a report.
+/// Fly a mission and write a report
 ///
 /// Flies the mission closed loop, from the orbit to the torquers' currents, and writes into the output
 /// folder:
@@ -131,34 +131,34 @@ fn fly(
     console.finish();
     let flight = flight?;
     if let Ending::Failed(reason) = &flight.ending {
-        eprintln!("error: the flight on {world} ended early: {reason}");
+        complain(format_args!("error: the flight on {world} ended early: {reason}"));
     }
     let flown = Flown::read(&folder.records())?;
     let summary = report::make_of(folder, &flight, &flown)?;
-    print(&summary, folder, args.quiet);
+    print_result(&summary, folder, args.quiet);
     Ok(Done { folder: folder.clone(), flight, flown })
 }
 
-fn print(summary: &Summary, folder: &Folder, quiet: bool) {
+fn print_result(summary: &Summary, folder: &Folder, quiet: bool) {
     let world = summary.world.to_string();
     match &summary.digest {
-        Some(digest) => println!("digest {world:<4} {digest}"),
-        None => println!("digest {world:<4} none: the flight is not whole"),
+        Some(digest) => print(format_args!("digest {world:<4} {digest}")),
+        None => print(format_args!("digest {world:<4} none: the flight is not whole")),
     }
     if quiet {
         return;
     }
-    println!("  flown    {:.1} of {:.1} s", summary.flown_s, summary.planned_s);
+    print(format_args!("  flown    {:.1} of {:.1} s", summary.flown_s, summary.planned_s));
     let rates = &summary.rates;
     let ratio = rates.ratio.map_or_else(String::new, |ratio| format!(", ratio {ratio:.3}"));
-    println!(
+    print(format_args!(
         "  rate     {:.3} deg/s at the start, {:.3} deg/s at the end{ratio}",
         rates.start_norm_deg_s, rates.end_norm_deg_s
-    );
+    ));
     if let (Some(wall_s), Some(speed)) = (summary.wall_s, summary.speed_over_real_time) {
-        println!("  speed    {wall_s:.2} s, {speed:.0} times real time");
+        print(format_args!("  speed    {wall_s:.2} s, {speed:.0} times real time"));
     }
-    println!("  report   {}", folder.report().display());
+    print(format_args!("  report   {}", folder.report().display()));
 }
 
 /// Says whether two flights were the same, here and in their reports; true when there is nothing to
@@ -169,9 +169,9 @@ fn compare(flights: &mut [Done]) -> Result<bool> {
     let difference = difference.map(|difference| difference.to_string());
     let whole = host.flown.is_whole() && m4.flown.is_whole();
     match &difference {
-        Some(difference) => println!("different: host and m4 part at {difference}"),
-        None if whole => println!("equal"),
-        None => println!("equal as far as both were flown"),
+        Some(difference) => print(format_args!("different: host and m4 part at {difference}")),
+        None if whole => print("equal"),
+        None => print("equal as far as both were flown"),
     }
     if whole {
         for (done, world) in [(host, World::M4), (m4, World::Host)] {

@@ -7,6 +7,8 @@ use adcs_ground::mission;
 use anyhow::Result;
 use clap::Subcommand;
 
+use super::console::{complain, print};
+
 /// Check mission files.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -32,10 +34,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let mut refused = 0;
     for path in missions {
         match mission::load(path) {
-            Ok(mission) => println!("{}: can fly ({})", path.display(), mission.title),
+            Ok(mission) => print(format_args!("{}: can fly ({})", path.display(), mission.title)),
             Err(error) => {
                 refused += 1;
-                eprintln!("{error}\n");
+                complain(format_args!("{error}\n"));
             }
         }
     }

@@ -7,6 +7,8 @@ use adcs_ground::flight::{Ending, Flown, Folder};
 use adcs_ground::report;
 use anyhow::Result;
 
+use super::console::print;
+
 /// Make the report of a flight again, from its records.
 ///
 /// Works for a flight that was interrupted or killed as well: the report then goes as far as the
@@ -23,11 +25,11 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let flown = Flown::read(&folder.records())?;
     let summary = report::make_of(&folder, &flight, &flown)?;
     if !flown.is_whole() || flight.ending != Ending::Complete {
-        println!(
+        print(format_args!(
             "the records go to {:.1} of {:.1} s ({} cycles, {} frames lost)",
             summary.flown_s, summary.planned_s, summary.cycles, summary.lost_frames
-        );
+        ));
     }
-    println!("{}", folder.report().display());
+    print(format_args!("{}", folder.report().display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -35,7 +35,7 @@ pub fn find() -> Result<PathBuf> {
 /// [`host::fly`](super::host::fly).
 ///
 /// # Errors
-/// When the folder cannot be written or read.
+/// When the flight cannot begin, or the folder cannot be written or read.
 pub fn fly(
     emulator: &Emulator,
     mission: &Mission,
@@ -58,6 +58,8 @@ pub fn fly(
             }
         }
         Ok(None) => Ending::Interrupted,
+        // Nothing was flown: there is no flight to look at.
+        Err(error) if !folder.records().exists() => return Err(error),
         Err(error) => Ending::Failed(format!("{error:#}")),
     };
     folder.write_flight(&flight)?;

@@ -5,7 +5,8 @@ use adcs_core::control::b_dot::{BDot, BDotGain};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 
 use super::problem::Fault;
-use super::section::{POSITIVE, Section};
+use super::section::Section;
+use super::typed::POSITIVE;
 
 /// Longest on- or off-time that a mission may ask for: what a u32 of microseconds can count, in
 /// whole seconds.

@@ -15,6 +15,7 @@ mod problem;
 mod satellite;
 mod section;
 mod sensors;
+mod typed;
 mod unit;
 
 use std::path::{Path, PathBuf};

@@ -5,7 +5,8 @@ use adcs_core::time::{Utc, UtcError};
 use sgp4_lite::{Elements, TleError};
 
 use super::problem::{Fault, Place};
-use super::section::{FINITE, Section};
+use super::section::Section;
+use super::typed::FINITE;
 
 /// Mean elements older than this do not say where a satellite in low orbit is.
 const MAX_AGE_S: f64 = 30.0 * 86_400.0;

@@ -7,7 +7,8 @@ use adcs_sim::scenario::{DragParameters, ShapeParameters, SolarPressureParameter
 
 use super::misalignment;
 use super::problem::Fault;
-use super::section::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE, Section};
+use super::section::Section;
+use super::typed::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE};
 
 /// From a black surface to a mirror.
 const REFLECTIVITY: Check =

@@ -9,6 +9,9 @@ use std::ops::RangeInclusive;
 
 use super::document::{Entry, Item, Table, Value};
 use super::problem::{Fault, Place, Problem, Sources};
+use super::typed::{
+    Check, Refusal, array, choice, integer, matrix, micros, mismatch, number, quaternion, text,
+};
 use super::unit;
 
 /// Where problems go.
@@ -38,35 +41,6 @@ impl<'a> Problems<'a> {
         found.into_iter().map(|(_, problem)| problem).collect()
     }
 }
-
-/// A range of numbers and how it is called.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Check {
-    holds: fn(f64) -> bool,
-    wanted: &'static str,
-}
-
-/// Any finite number.
-pub(super) const FINITE: Check = Check { holds: f64::is_finite, wanted: "finite" };
-/// Above zero.
-pub(super) const POSITIVE: Check =
-    Check { holds: |x| x.is_finite() && x > 0.0, wanted: "positive and finite" };
-/// Zero or above.
-pub(super) const NOT_NEGATIVE: Check =
-    Check { holds: |x| x.is_finite() && x >= 0.0, wanted: "zero or positive, and finite" };
-/// Usable as a factor that can be undone.
-pub(super) const NOT_ZERO: Check =
-    Check { holds: |x| x.is_finite() && x != 0.0, wanted: "finite and not zero" };
-
-impl Check {
-    pub const fn new(holds: fn(f64) -> bool, wanted: &'static str) -> Self {
-        Self { holds, wanted }
-    }
-}
-
-/// How far the length of a quaternion in a file may be from one: four decimals round to 1e-4, a
-/// forgotten component does more.
-const QUATERNION_TOLERANCE: f64 = 0.01;
 
 /// One section of the mission.
 #[derive(Debug)]
@@ -147,7 +121,7 @@ impl<'a> Section<'a> {
     fn read<T>(
         &self,
         key: &'static str,
-        parse: impl FnOnce(&'a Item) -> Result<T, (Place, Fault)>,
+        parse: impl FnOnce(&'a Item) -> Result<T, Refusal>,
     ) -> Option<Option<T>> {
         let Some(entry) = self.entry(key) else { return Some(None) };
         match parse(&entry.item) {
@@ -162,7 +136,7 @@ impl<'a> Section<'a> {
     fn required<T>(
         &self,
         key: &'static str,
-        parse: impl FnOnce(&'a Item) -> Result<T, (Place, Fault)>,
+        parse: impl FnOnce(&'a Item) -> Result<T, Refusal>,
     ) -> Option<T> {
         let value = self.read(key, parse)?;
         if value.is_none() {
@@ -427,120 +401,4 @@ fn unknown(key: &str, known: &[&'static str]) -> (Fault, Option<&'static str>) {
             (Fault::advising(reason, format!("known here: {}", names.join(", "))), None)
         }
     }
-}
-
-fn mismatch(wanted: &str, found: &Value) -> Fault {
-    let reason = format!("expected {wanted}, found {}", found.kind());
-    match found {
-        Value::Text(text) if wanted.contains("number") && text.trim().parse::<f64>().is_ok() => {
-            Fault::advising(reason, "write it without quotes")
-        }
-        Value::Number { .. } if wanted == "a text" => Fault::advising(reason, "write it in quotes"),
-        _ => Fault::new(reason),
-    }
-}
-
-fn number(item: &Item, check: Check) -> Result<f64, (Place, Fault)> {
-    match item.value {
-        Value::Number { value, .. } if (check.holds)(value) => Ok(value),
-        Value::Number { value, .. } => Err((
-            item.place,
-            Fault::new(format!("{value} is impossible: must be {}", check.wanted)),
-        )),
-        ref other => Err((item.place, mismatch("a number", other))),
-    }
-}
-
-fn integer(item: &Item, range: RangeInclusive<i64>) -> Result<i64, (Place, Fault)> {
-    match item.value {
-        Value::Number { integer: Some(integer), .. } if range.contains(&integer) => Ok(integer),
-        Value::Number { value, .. } => Err((
-            item.place,
-            Fault::new(format!(
-                "{value} is impossible: must be a whole number from {} to {}",
-                range.start(),
-                range.end()
-            )),
-        )),
-        ref other => Err((item.place, mismatch("a whole number", other))),
-    }
-}
-
-fn text(item: &Item) -> Result<&str, (Place, Fault)> {
-    match &item.value {
-        Value::Text(text) => Ok(text),
-        other => Err((item.place, mismatch("a text", other))),
-    }
-}
-
-fn array<'a, T, const N: usize>(
-    item: &'a Item,
-    of: &str,
-    parse: impl Fn(&'a Item) -> Result<T, (Place, Fault)>,
-) -> Result<[T; N], (Place, Fault)> {
-    let Value::List(items) = &item.value else {
-        return Err((item.place, mismatch(&format!("a list of {N} {of}"), &item.value)));
-    };
-    let parsed = items.iter().map(parse).collect::<Result<Vec<T>, _>>()?;
-    let found = parsed.len();
-    parsed.try_into().map_err(|_| {
-        (item.place, Fault::new(format!("expected a list of {N} {of}, found one of {found}")))
-    })
-}
-
-fn matrix(item: &Item) -> Result<[[f64; 3]; 3], (Place, Fault)> {
-    array(item, "rows", |row| array(row, "numbers", |item| number(item, FINITE)))
-}
-
-fn quaternion(item: &Item) -> Result<[f64; 4], (Place, Fault)> {
-    let xyzw: [f64; 4] = array(item, "numbers", |item| number(item, FINITE))?;
-    let length = xyzw.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length == 0.0 {
-        return Err((
-            item.place,
-            Fault::advising(
-                "a zero quaternion is no attitude",
-                "no rotation is [0, 0, 0, 1]: x, y, z, and the scalar last",
-            ),
-        ));
-    }
-    if (length - 1.0).abs() > QUATERNION_TOLERANCE {
-        return Err((
-            item.place,
-            Fault::advising(
-                format!("a quaternion of length {length:.4} is no attitude"),
-                "an attitude quaternion has length 1; are all four components there, scalar last?",
-            ),
-        ));
-    }
-    Ok(xyzw)
-}
-
-fn micros(item: &Item, range_s: RangeInclusive<f64>) -> Result<i64, (Place, Fault)> {
-    const MICROS_PER_S: f64 = 1e6;
-    // A decimal number of microseconds is within this of the nearest double times 1e6.
-    const ROUNDING: f64 = 1e-3;
-    let seconds = number(item, FINITE)?;
-    if !range_s.contains(&seconds) {
-        let (low, high) = (range_s.start(), range_s.end());
-        let reason = format!("{seconds} s is impossible: must be from {low} to {high} s");
-        return Err((item.place, Fault::new(reason)));
-    }
-    let micros = (seconds * MICROS_PER_S).round();
-    if (seconds * MICROS_PER_S - micros).abs() > ROUNDING {
-        let reason = format!("{seconds} s is finer than a microsecond");
-        return Err((item.place, Fault::new(reason)));
-    }
-    Ok(micros as i64)
-}
-
-fn choice<T: Copy>(item: &Item, choices: &[(&'static str, T)]) -> Result<T, (Place, Fault)> {
-    let words = || choices.iter().map(|(word, _)| format!("{word:?}")).collect::<Vec<_>>();
-    let Value::Text(text) = &item.value else {
-        return Err((item.place, mismatch(&format!("one of {}", words().join(", ")), &item.value)));
-    };
-    choices.iter().find(|(word, _)| word == text).map(|(_, value)| *value).ok_or_else(|| {
-        let reason = format!("expected one of {}, found {text:?}", words().join(", "));
-        (item.place, Fault::new(reason))
-    })
 }

@@ -8,7 +8,8 @@ use adcs_sim::scenario::SensorTruth;
 
 use super::misalignment;
 use super::problem::Fault;
-use super::section::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE, Section};
+use super::section::Section;
+use super::typed::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE};
 
 /// Nanotesla in a tesla.
 const NT_PER_T: f64 = 1e9;

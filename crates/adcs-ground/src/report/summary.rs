@@ -115,7 +115,7 @@ pub struct Control {
     /// Work of the control torque over the flight, J.
     pub work_j: f64,
     /// Largest mean power of any cycle, W: above zero it drives the tumble.
-    pub max_power_w: f64,
+    pub max_power_w: Option<f64>,
     /// Cycles in which it drove the tumble, out of those in which it acted.
     pub driving_cycles: usize,
     /// Cycles in which it acted.
@@ -232,7 +232,7 @@ fn control(rows: &[Row], cycle_s: f64) -> Control {
     }
     Control {
         work_j: powers().sum::<f64>() * cycle_s,
-        max_power_w: powers().fold(f64::NEG_INFINITY, f64::max).max(f64::MIN),
+        max_power_w: powers().reduce(f64::max),
         driving_cycles: powers().filter(|&power| power > 0.0).count(),
         acting_cycles: rows.iter().filter(|row| row.control == ControlStatus::Acting).count(),
         states,

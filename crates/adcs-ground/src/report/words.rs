@@ -128,7 +128,7 @@ pub fn power(summary: &Summary) -> String {
         (acting, driving) => format!(
             "In {driving} of the {acting} cycles in which it acted, the control torque drove the \
              tumble, with {:.2} µW at most.",
-            control.max_power_w * 1e6
+            control.max_power_w.unwrap_or_default() * 1e6
         ),
     }
 }

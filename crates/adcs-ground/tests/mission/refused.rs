@@ -1,68 +1,10 @@
 //! What is refused in mission files, and how it is said.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
 
-use adcs_core::control::b_dot::BDotGain;
-use adcs_ground::mission::{self, Mission, Problem};
-use adcs_sim::scenario::{Readings, SensorTruth};
+use adcs_ground::mission::{self, Problem};
 
-const MISSION: &str = "sprout/despin-calibrated.toml";
-const SATELLITE: &str = "satellites/sprout-a2.toml";
-
-fn missions() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../missions")
-}
-
-/// A copy of a mission and its satellite, to be changed.
-struct Workshop {
-    folder: PathBuf,
-}
-
-impl Workshop {
-    fn new() -> Self {
-        static NEXT: AtomicU32 = AtomicU32::new(0);
-        let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("mission-{}-{number}", std::process::id());
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        for file in [MISSION, SATELLITE] {
-            let path = folder.join(file);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::copy(missions().join(file), path).unwrap();
-        }
-        Self { folder }
-    }
-
-    /// Replaces the one place of `file` that reads `old`.
-    fn change(&self, file: &str, old: &str, new: &str) {
-        let path = self.folder.join(file);
-        let text = fs::read_to_string(&path).unwrap();
-        assert_eq!(text.matches(old).count(), 1, "{old:?} in {file}");
-        fs::write(path, text.replace(old, new)).unwrap();
-    }
-
-    fn write(&self, file: &str, text: impl AsRef<[u8]>) {
-        fs::write(self.folder.join(file), text).unwrap();
-    }
-
-    fn load(&self) -> Result<Mission, Vec<Problem>> {
-        mission::load(self.folder.join(MISSION)).map_err(|error| error.problems)
-    }
-
-    /// The only problem; there must be one.
-    fn problem(&self) -> Problem {
-        let problems = self.load().expect_err("the mission was accepted");
-        assert_eq!(problems.len(), 1, "{problems:#?}");
-        problems.into_iter().next().unwrap()
-    }
-}
-
-impl Drop for Workshop {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
-    }
-}
+use super::workshop::{MISSION, SATELLITE, Workshop, missions};
 
 /// Changes one place and gives the only problem, which must stand in the changed line.
 fn refused(file: &str, old: &str, new: &str) -> Problem {
@@ -78,135 +20,11 @@ fn refused(file: &str, old: &str, new: &str) -> Problem {
     problem
 }
 
-fn assert_says(problem: &Problem, key: &str, reason: &str, advice: &str) {
+/// The problem is about this key, for this reason, with this advice.
+pub fn assert_says(problem: &Problem, key: &str, reason: &str, advice: &str) {
     assert_eq!(problem.key, key, "{problem}");
     assert!(problem.reason.contains(reason), "wanted {reason:?} in: {problem}");
     assert!(problem.advice.contains(advice), "wanted {advice:?} in: {problem}");
-}
-
-#[test]
-fn every_mission_of_the_repository_loads() {
-    let mut loaded = 0;
-    for folder in ["sprout", "reference"] {
-        for entry in fs::read_dir(missions().join(folder)).unwrap() {
-            let path = entry.unwrap().path();
-            match mission::load(&path) {
-                Ok(mission) => assert_eq!(Some(mission.name.as_ref()), path.file_stem()),
-                Err(error) => panic!("{error}"),
-            }
-            loaded += 1;
-        }
-    }
-    assert!(loaded >= 14, "only {loaded} missions");
-}
-
-#[test]
-fn persons_units_become_si() {
-    let mission = mission::load(missions().join(MISSION)).unwrap();
-    let scenario = mission.scenario;
-    assert_eq!(mission.name, "despin-calibrated");
-    assert_eq!((scenario.cycles, scenario.flight.cycle_us), (2400, 500_000));
-    assert_eq!(scenario.flight.schedule.on_us, 10_000_000);
-    assert_eq!(scenario.flight.schedule.off_us, 2_500_000);
-    assert_eq!(scenario.world.start.to_string(), "2015-11-19T03:31:21.392832Z");
-    assert_eq!(scenario.world.omega_bi_rad_s, [3.573, 1.866, 8.175].map(f64::to_radians));
-    assert_eq!(scenario.world.magnetometer.noise, 586e-9);
-    assert_eq!(scenario.world.gyro.noise, 0.163_f64.to_radians());
-    // 50,000 nT/V and 20 mV/(deg/s), as the drivers' own presets have them.
-    assert_eq!(scenario.board, adcs_hal::driver_board::DriverBoardConfig::SPROUT);
-    assert_eq!(scenario.readings, Readings::Drivers);
-}
-
-#[test]
-fn a_start_is_a_date_or_a_time_after_the_epoch() {
-    let workshop = Workshop::new();
-    let by_date = workshop.load().unwrap().scenario;
-    workshop.change(MISSION, "utc = 2015-11-19T03:31:21.392832Z ", "after_tle_epoch_s = 2160 ");
-    assert_eq!(workshop.load().unwrap().scenario, by_date);
-    let quoted = Workshop::new();
-    quoted.change(MISSION, "2015-11-19T03:31:21.392832Z", "\"2015-11-19T03:31:21.392832Z\"");
-    assert_eq!(quoted.load().unwrap().scenario, by_date);
-}
-
-#[test]
-fn the_normalised_law_and_none_have_their_own_keys() {
-    let workshop = Workshop::new();
-    workshop.change(
-        MISSION,
-        "kind = \"b-dot\"                        # m = k (ω × B)\ngain_am2_s_per_t = 100_000 ",
-        "kind = \"b-dot-normalised\"\ngain_n_m_s = 1e-4 ",
-    );
-    let law = workshop.load().unwrap().scenario.flight.law;
-    let gain = BDotGain::Normalised { gain_n_m_s: 1e-4 };
-    assert_eq!(law, adcs_app::LawParameters::BDot(gain));
-    let workshop = Workshop::new();
-    workshop.change(MISSION, "kind = \"b-dot\" ", "kind = \"none\" ");
-    let problem = workshop.problem();
-    assert_says(&problem, "law.gain_am2_s_per_t", "no meaning with this kind", "remove it");
-}
-
-#[test]
-fn each_error_of_a_sensor_is_switched_off_alone() {
-    let workshop = Workshop::new();
-    workshop.change(
-        SATELLITE,
-        "noise_nt = 586 ",
-        "matrix = [[1.1, 0, 0], [0, 1, 0], [0, 0, 1]]\nmisalignment_deg = [0, 0, 90]\nnoise_nt = 586 ",
-    );
-    workshop.change(SATELLITE, "bias_nt = [0, 0, 0]\noffset", "bias_nt = [100, 200, 300]\noffset");
-    let with = |off: &str| {
-        workshop.write(
-            "sprout/some-off.toml",
-            format!(
-                "base = \"despin-calibrated.toml\"\n[mission]\ntitle = \"t\"\ndescription = \"d\"\n\
-                 [magnetometer.errors]\nswitched_off = [{off}]\n"
-            ),
-        );
-        mission::load(workshop.folder.join("sprout/some-off.toml")).unwrap().scenario.world
-    };
-    let all = with("");
-    assert_eq!(all.magnetometer.bias, [100.0 / 1e9, 200.0 / 1e9, 300.0 / 1e9]);
-    assert_eq!(all.magnetometer.matrix[0][0], 1.1);
-    assert!(all.magnetometer.noise > 0.0 && all.magnetometer_offset_m.is_some());
-    // Sensor axes turned by +90 deg about z: what the sensor calls x is Body y.
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    let [x, y, z, w] = all.magnetometer.alignment_xyzw;
-    assert!(x.abs() + y.abs() + (z.abs() - half).abs() + (w - half).abs() < 1e-15);
-    let axes: adcs_core::frames::Rotation<
-        adcs_core::frames::Body,
-        adcs_core::frames::MagnetometerAxes,
-        f64,
-    > = adcs_core::frames::Rotation::from_attitude_quaternion(all.magnetometer.alignment_xyzw)
-        .unwrap();
-    let x_in_body = axes * adcs_core::frames::Vector::new(1.0, 0.0, 0.0);
-    assert!((x_in_body.xyz.y - 1.0).abs() < 1e-15, "{x_in_body:?}");
-
-    let perfect = SensorTruth::PERFECT;
-    let without = |off: &str| (with(off).magnetometer, with(off).magnetometer_offset_m);
-    let (m, offset) = (all.magnetometer, all.magnetometer_offset_m);
-    assert_eq!(without("\"noise\""), (SensorTruth { noise: 0.0, ..m }, offset));
-    assert_eq!(without("\"bias\""), (SensorTruth { bias: [0.0; 3], ..m }, offset));
-    assert_eq!(without("\"matrix\""), (SensorTruth { matrix: perfect.matrix, ..m }, offset));
-    let straight = SensorTruth { alignment_xyzw: perfect.alignment_xyzw, ..m };
-    assert_eq!(without("\"misalignment\""), (straight, offset));
-    assert_eq!(without("\"torquer_field\""), (m, None));
-    let every = "\"noise\", \"bias\", \"matrix\", \"misalignment\", \"torquer_field\"";
-    assert_eq!(without(every), (perfect, None));
-}
-
-#[test]
-fn torquers_may_be_weaker_reversed_and_turned_than_the_flight_software_knows() {
-    let workshop = Workshop::new();
-    let nominal = workshop.load().unwrap().scenario;
-    workshop.change(
-        SATELLITE,
-        "steps = 4200 ",
-        "errors = { scale = [1.0, -1.0, 0.5], misalignment_deg = [0, 0, 90] }\nsteps = 4200 ",
-    );
-    let scenario = workshop.load().unwrap().scenario;
-    assert_eq!(scenario.world.torquer_full_dipole_am2, [0.6, -0.6, 0.3]);
-    assert_ne!(scenario.world.torquer_alignment_xyzw, nominal.world.torquer_alignment_xyzw);
-    assert_eq!((scenario.flight, scenario.board), (nominal.flight, nominal.board));
 }
 
 #[test]
@@ -624,17 +442,6 @@ fn title_and_description_are_not_taken_from_the_base() {
 }
 
 #[test]
-fn a_mission_overrides_its_base_key_by_key() {
-    let mission = mission::load(missions().join("sprout/despin-on5.toml")).unwrap();
-    let schedule = mission.scenario.flight.schedule;
-    assert_eq!((schedule.on_us, schedule.off_us), (5_000_000, 2_500_000));
-    assert_eq!(mission.files.len(), 3);
-    let none = mission::load(missions().join("sprout/no-control.toml")).unwrap();
-    // The gain that the base gives has no meaning any more, and is no problem.
-    assert_eq!(none.scenario.flight.law, adcs_app::LawParameters::Off);
-}
-
-#[test]
 fn all_problems_of_a_file_are_reported_at_once_in_their_order() {
     let workshop = Workshop::new();
     workshop.change(MISSION, "duration_s = 1200", "duration_s = 0");
@@ -647,62 +454,4 @@ fn all_problems_of_a_file_are_reported_at_once_in_their_order() {
         keys,
         ["mission.duration_s", "start.rate_deg_s", "schedule.on_s", "satellite.mass_g"]
     );
-}
-
-#[test]
-fn the_readme_lists_every_key() {
-    let readme = fs::read_to_string(missions().join("README.md")).unwrap();
-    let sections = [
-        "mission",
-        "satellite",
-        "torques",
-        "orbit",
-        "start",
-        "law",
-        "schedule",
-        "torquers",
-        "torquers.errors",
-        "converter",
-        "magnetometer",
-        "magnetometer.calibration",
-        "magnetometer.errors",
-        "gyro",
-        "gyro.calibration",
-        "gyro.errors",
-        "simulation",
-    ];
-    let mut keys = 0;
-    for section in sections {
-        assert!(readme.contains(&format!("`[{section}]`")), "[{section}]");
-        let workshop = Workshop::new();
-        workshop.write(
-            "sprout/odd.toml",
-            format!(
-                "base = \"despin-calibrated.toml\"\nmission.title = \"t\"\n\
-                 mission.description = \"d\"\n{section}.odd_one_out = 1\n"
-            ),
-        );
-        let error = mission::load(workshop.folder.join("sprout/odd.toml")).unwrap_err();
-        let advice = &error.problems[0].advice;
-        let known = advice.strip_prefix("known here: ").unwrap_or_else(|| panic!("{error}"));
-        for key in known.split(", ") {
-            let is_section = sections.contains(&format!("{section}.{key}").as_str());
-            assert!(is_section || readme.contains(&format!("`{key}`")), "{section}.{key}");
-            keys += 1;
-        }
-    }
-    assert!(keys > 60, "only {keys} keys");
-}
-
-#[test]
-fn the_readmes_own_mission_flies() {
-    let readme = fs::read_to_string(missions().join("README.md")).unwrap();
-    let (_, example) = readme.split_once("```toml\n").unwrap();
-    let (example, _) = example.split_once("```").unwrap();
-    let workshop = Workshop::new();
-    workshop.write("mine.toml", example);
-    let mission = mission::load(workshop.folder.join("mine.toml")).unwrap();
-    let gain = BDotGain::Plain { gain_am2_s_per_t: 5e4 };
-    assert_eq!(mission.scenario.flight.law, adcs_app::LawParameters::BDot(gain));
-    assert_eq!(mission.name, "mine");
 }

@@ -1,0 +1,5 @@
+//! Mission files: what they become, and what is refused in them.
+
+mod loads;
+mod refused;
+mod workshop;

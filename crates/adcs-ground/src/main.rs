@@ -32,7 +32,7 @@ enum Command {
     Sun(commands::sun::Args),
     Frames(commands::frames::Args),
     Eclipse(commands::eclipse::Args),
-    Estimate(commands::estimate::Args),
+    Attitude(commands::attitude::Args),
 }
 
 fn main() -> ExitCode {
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         Command::Sun(args) => Ok(commands::sun::run(&args)),
         Command::Frames(args) => Ok(commands::frames::run(&args)),
         Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
-        Command::Estimate(args) => Ok(commands::estimate::run(&args)),
+        Command::Attitude(args) => Ok(commands::attitude::run(&args)),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

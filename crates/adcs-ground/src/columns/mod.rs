@@ -1,6 +1,6 @@
 //! What the commands on tables compute for a row.
 
-pub mod estimate;
+pub mod attitude;
 pub mod field;
 pub mod frames;
 pub mod propagate;

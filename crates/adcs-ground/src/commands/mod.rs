@@ -1,8 +1,8 @@
 //! The commands of `adcs`, one a file.
 
+pub mod attitude;
 mod console;
 pub mod eclipse;
-pub mod estimate;
 pub mod field;
 mod files;
 pub mod fly;

@@ -6,10 +6,13 @@ use sgp4_lite::{Elements, TleError};
 
 use super::problem::{Fault, Place};
 use super::section::Section;
-use super::typed::FINITE;
+use super::typed::Check;
 
 /// Mean elements older than this do not say where a satellite in low orbit is.
 const MAX_AGE_S: f64 = 30.0 * 86_400.0;
+
+/// The simulation's steps follow a turn a second; no satellite in one piece turns faster.
+const RATE_DEG_S: Check = Check::new(|x| x.abs() <= 360.0, "within 360 deg/s");
 
 /// The orbit.
 pub(super) struct Orbit {
@@ -78,7 +81,7 @@ pub(super) fn start(root: &Section, orbit: Option<&Orbit>) -> Option<Start> {
     let section = root.section("start")?;
     let utc = instant(&section, orbit);
     let attitude_xyzw = section.quaternion("attitude_xyzw");
-    let rate_deg_s = section.vector("rate_deg_s", FINITE);
+    let rate_deg_s = section.vector("rate_deg_s", RATE_DEG_S);
     section.finish();
     Some(Start {
         utc: utc?,

@@ -8,13 +8,24 @@ use adcs_sim::scenario::{DragParameters, ShapeParameters, SolarPressureParameter
 use super::misalignment;
 use super::problem::Fault;
 use super::section::Section;
-use super::typed::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE};
+use super::typed::{Check, TURN_DEG};
 
 /// From a black surface to a mirror.
 const REFLECTIVITY: Check =
     Check::new(|x| (1.0..=2.0).contains(&x), "from 1 (black) to 2 (mirror)");
 /// Drag coefficients of satellites lie between 2 and 4; flight below 1 or above 5 does not occur.
 const DRAG: Check = Check::new(|x| (1.0..=5.0).contains(&x), "from 1 to 5");
+
+/// Limits that no small satellite passes; what does is a slip of the unit or the decimal point.
+const MASS_KG: Check = Check::new(|x| x > 0.0 && x <= 1e4, "positive and at most 10000 kg");
+const SIDE_M: Check = Check::new(|x| x > 0.0 && x <= 100.0, "positive and at most 100 m");
+const DISTANCE_M: Check = Check::new(|x| x.abs() <= 100.0, "within 100 m");
+const DIPOLE_AM2: Check = Check::new(|x| x.abs() <= 1e3, "within 1000 A·m²");
+const MAX_DIPOLE_AM2: Check = Check::new(|x| x > 0.0 && x <= 1e3, "positive and at most 1000 A·m²");
+const DIPOLE_SCALE: Check = Check::new(|x| x != 0.0 && x.abs() <= 10.0, "not zero and within 10");
+/// The air at 150 km.
+const DENSITY_KG_M3: Check =
+    Check::new(|x| (0.0..=2e-9).contains(&x), "from 0 to 2e-9 kg/m³, the air at 150 km");
 
 /// The body.
 pub(super) struct Satellite {
@@ -29,14 +40,14 @@ pub(super) struct Satellite {
 
 pub(super) fn satellite(root: &Section) -> Option<Satellite> {
     let section = root.section("satellite")?;
-    let mass_kg = section.number("mass_kg", POSITIVE);
+    let mass_kg = section.number("mass_kg", MASS_KG);
     let inertia_kg_m2 = section.matrix("inertia_kg_m2");
     let inertia_source = section.text("inertia_source");
-    let residual_dipole_am2 = section.vector("residual_dipole_am2", FINITE);
+    let residual_dipole_am2 = section.vector("residual_dipole_am2", DIPOLE_AM2);
     let drag_coefficient = section.number("drag_coefficient", DRAG);
     let reflectivity = section.number("reflectivity", REFLECTIVITY);
-    let sides_m = section.vector("sides_m", POSITIVE);
-    let centre_of_pressure_m = section.vector("centre_of_pressure_m", FINITE);
+    let sides_m = section.vector("sides_m", SIDE_M);
+    let centre_of_pressure_m = section.vector("centre_of_pressure_m", DISTANCE_M);
     section.finish();
 
     let inertia_kg_m2 = inertia_kg_m2.filter(|rows| accept_inertia(&section, rows));
@@ -133,8 +144,8 @@ pub(super) fn torques(root: &Section) -> Option<Torques> {
     let solar_pressure = section.flag("solar_pressure");
     let density = "air_density_kg_m3";
     let air_density_kg_m3 = match drag {
-        Some(true) => section.number(density, NOT_NEGATIVE),
-        _ => section.number_or(density, NOT_NEGATIVE, 0.0),
+        Some(true) => section.number(density, DENSITY_KG_M3),
+        _ => section.number_or(density, DENSITY_KG_M3, 0.0),
     };
     section.finish();
     Some(Torques {
@@ -157,14 +168,14 @@ pub(super) struct Torquers {
 
 pub(super) fn torquers(root: &Section) -> Option<Torquers> {
     let section = root.section("torquers")?;
-    let max_dipole_am2 = section.number("max_dipole_am2", POSITIVE);
+    let max_dipole_am2 = section.number("max_dipole_am2", MAX_DIPOLE_AM2);
     let steps = section.integer("steps", 1..=i64::from(u16::MAX));
     let alignment = section.quaternion_or("alignment_xyzw", super::NO_ROTATION);
     let errors = section.section_or_empty("errors");
     section.finish();
     let errors = errors?;
-    let scale = errors.vector_or("scale", NOT_ZERO, [1.0; 3]);
-    let turned = errors.vector_or("misalignment_deg", FINITE, [0.0; 3]);
+    let scale = errors.vector_or("scale", DIPOLE_SCALE, [1.0; 3]);
+    let turned = errors.vector_or("misalignment_deg", TURN_DEG, [0.0; 3]);
     let off =
         errors.choices("switched_off", &[("scale", "scale"), ("misalignment", "misalignment")]);
     errors.finish();

@@ -9,7 +9,7 @@ use adcs_sim::scenario::SensorTruth;
 use super::misalignment;
 use super::problem::Fault;
 use super::section::Section;
-use super::typed::{Check, FINITE, NOT_NEGATIVE, NOT_ZERO, POSITIVE};
+use super::typed::{Check, NOT_ZERO, POSITIVE, TURN_DEG};
 
 /// Nanotesla in a tesla.
 const NT_PER_T: f64 = 1e9;
@@ -19,6 +19,10 @@ const MV_PER_V: f64 = 1e3;
 /// What the MCP3208 takes (DS21298E §1.0).
 const REFERENCE: Check =
     Check::new(|x| (0.25..=5.5).contains(&x), "from 0.25 to 5.5, as the converter takes it");
+
+/// A middle voltage; the converter's own reference limits it further.
+const ZERO_V: Check = Check::new(|x| (0.0..=5.5).contains(&x), "from 0 to 5.5 V");
+const OFFSET_M: Check = Check::new(|x| x.abs() <= 10.0, "within 10 m");
 
 /// The names of a sensor's keys and how they become SI.
 struct Kind {
@@ -32,6 +36,9 @@ struct Kind {
     volts_per_si: fn(f64) -> f64,
     /// Words for `switched_off`.
     errors: &'static [(&'static str, &'static str)],
+    /// What noise and bias can be, in that unit.
+    range: Check,
+    noise_range: Check,
 }
 
 const MAGNETOMETER: Kind = Kind {
@@ -48,6 +55,8 @@ const MAGNETOMETER: Kind = Kind {
         ("misalignment", "misalignment"),
         ("torquer_field", "torquer_field"),
     ],
+    range: Check::new(|nt| nt.abs() <= 1e6, "within 1000000 nT, twenty times the Earth's field"),
+    noise_range: Check::new(|nt| (0.0..=1e6).contains(&nt), "zero or positive, at most 1000000 nT"),
 };
 
 const GYRO: Kind = Kind {
@@ -63,6 +72,8 @@ const GYRO: Kind = Kind {
         ("matrix", "matrix"),
         ("misalignment", "misalignment"),
     ],
+    range: Check::new(|deg_s| deg_s.abs() <= 1e4, "within 10000 deg/s"),
+    noise_range: Check::new(|x| (0.0..=1e4).contains(&x), "zero or positive, at most 10000 deg/s"),
 };
 
 /// One sensor of three axes.
@@ -108,7 +119,7 @@ pub(super) fn refuse_shared_channels(root: &Section, magnetometer: &Sensor, gyro
 fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) -> Option<Sensor> {
     let section = root.section(kind.section)?;
     let channels = section.channels("channels");
-    let zero_v = section.number("zero_v", FINITE);
+    let zero_v = section.number("zero_v", ZERO_V);
     let sensitivity = section.number(kind.sensitivity, POSITIVE);
     let alignment = section.quaternion_or("alignment_xyzw", super::NO_ROTATION);
     let calibration = section.section_or_empty("calibration");
@@ -137,7 +148,7 @@ fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) ->
 
 fn calibration<S>(section: &Section, kind: &Kind, alignment: [f64; 4]) -> Option<TriadParameters> {
     let scale = section.vector_or("scale", NOT_ZERO, [1.0; 3]);
-    let bias = section.vector_or(kind.bias, FINITE, [0.0; 3]);
+    let bias = section.vector_or(kind.bias, kind.range, [0.0; 3]);
     section.finish();
     let parameters = TriadParameters {
         scale: scale?.map(|x| x as f32),
@@ -157,14 +168,14 @@ fn errors<S>(
     alignment: [f64; 4],
 ) -> Option<(SensorTruth, Option<[f64; 3]>)> {
     let perfect = SensorTruth::PERFECT;
-    let noise = section.number_or(kind.noise, NOT_NEGATIVE, 0.0);
-    let bias = section.vector_or(kind.bias, FINITE, [0.0; 3]);
+    let noise = section.number_or(kind.noise, kind.noise_range, 0.0);
+    let bias = section.vector_or(kind.bias, kind.range, [0.0; 3]);
     let matrix = section.matrix_or("matrix", perfect.matrix);
-    let turned = section.vector_or("misalignment_deg", FINITE, [0.0; 3]);
+    let turned = section.vector_or("misalignment_deg", TURN_DEG, [0.0; 3]);
     let feels_torquers = kind.errors.iter().any(|(word, _)| *word == "torquer_field");
     let offset_key = "offset_from_torquers_m";
     let offset = match feels_torquers && section.has(offset_key) {
-        true => section.vector(offset_key, FINITE).map(Some),
+        true => section.vector(offset_key, OFFSET_M).map(Some),
         false => Some(None),
     };
     let off = section.choices("switched_off", kind.errors);

@@ -20,9 +20,10 @@ pub(super) const FINITE: Check = Check { holds: f64::is_finite, wanted: "finite"
 /// Above zero.
 pub(super) const POSITIVE: Check =
     Check { holds: |x| x.is_finite() && x > 0.0, wanted: "positive and finite" };
-/// Zero or above.
-pub(super) const NOT_NEGATIVE: Check =
-    Check { holds: |x| x.is_finite() && x >= 0.0, wanted: "zero or positive, and finite" };
+/// An entry of a matrix: an inertia in kg·m², or a factor.
+const ENTRY: Check = Check::new(|x| x.abs() <= 1e5, "finite, and within 100000");
+/// A turn, deg.
+pub(super) const TURN_DEG: Check = Check::new(|x| x.abs() <= 180.0, "within 180 deg");
 /// Usable as a factor that can be undone.
 pub(super) const NOT_ZERO: Check =
     Check { holds: |x| x.is_finite() && x != 0.0, wanted: "finite and not zero" };
@@ -97,7 +98,7 @@ pub(super) fn array<'a, T, const N: usize>(
 }
 
 pub(super) fn matrix(item: &Item) -> Result<[[f64; 3]; 3], Refusal> {
-    array(item, "rows", |row| array(row, "numbers", |item| number(item, FINITE)))
+    array(item, "rows", |row| array(row, "numbers", |item| number(item, ENTRY)))
 }
 
 pub(super) fn quaternion(item: &Item) -> Result<[f64; 4], Refusal> {

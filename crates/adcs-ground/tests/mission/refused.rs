@@ -4,6 +4,8 @@ use std::fs;
 
 use adcs_ground::mission::{self, Problem};
 
+use proptest::prelude::*;
+
 use super::workshop::{MISSION, SATELLITE, Workshop, missions};
 
 /// Changes one place and gives the only problem, which must stand in the changed line.
@@ -139,7 +141,7 @@ fn an_inertia_no_body_can_have_is_refused_with_the_entry_or_the_reason() {
     assert_says(&problem, key, "entry (1,2) differs from entry (2,1)", "symmetric");
     assert!(problem.to_string().contains("[0.05, 0.001, 0],"), "{problem}");
     let problem = tensor("[0.05, 0, 0],\n[0, nan, 0],\n[0, 0, 0.05],");
-    assert_says(&problem, key, "NaN is impossible: must be finite", "");
+    assert_says(&problem, key, "NaN is impossible: must be finite, and within 100000", "");
 }
 
 #[test]
@@ -151,7 +153,7 @@ fn impossible_numbers_are_refused() {
             "mass_kg = 7.1 ",
             "mass_kg = inf ",
             "satellite.mass_kg",
-            "must be positive and finite",
+            "inf is impossible: must be positive and at most 10000 kg",
         ),
         (
             SATELLITE,
@@ -454,4 +456,61 @@ fn all_problems_of_a_file_are_reported_at_once_in_their_order() {
         keys,
         ["mission.duration_s", "start.rate_deg_s", "schedule.on_s", "satellite.mass_g"]
     );
+}
+
+#[test]
+fn slips_of_the_decimal_point_are_refused() {
+    let cases = [
+        (MISSION, "8.175]", "8175]", "start.rate_deg_s", "within 360 deg/s"),
+        (
+            SATELLITE,
+            "air_density_kg_m3 = 5e-13",
+            "air_density_kg_m3 = 5e13",
+            "torques.air_density_kg_m3",
+            "the air at 150 km",
+        ),
+        (
+            SATELLITE,
+            "[-0.3211, -0.2094, -0.0201]",
+            "[-3211, -0.2094, -0.0201]",
+            "satellite.residual_dipole_am2",
+            "within 1000",
+        ),
+        (
+            SATELLITE,
+            "noise_nt = 586 ",
+            "noise_nt = 586e6 ",
+            "magnetometer.errors.noise_nt",
+            "at most 1000000 nT",
+        ),
+    ];
+    for (file, old, new, key, reason) in cases {
+        assert_says(&refused(file, old, new), key, reason, "");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+    #[test]
+    fn whatever_is_written_into_a_mission_nothing_panics(
+        at in 0.0..1.0_f64,
+        removed in 0_usize..8,
+        written in "[0-9a-z\\-+.,=\\[\\]{}\"'# \n\tµ]{0,8}",
+        into_satellite in any::<bool>(),
+    ) {
+        let workshop = Workshop::new();
+        let file = if into_satellite { SATELLITE } else { MISSION };
+        let text = fs::read_to_string(missions().join(file)).unwrap();
+        let mut letters: Vec<char> = text.chars().collect();
+        let start = (at * letters.len() as f64) as usize;
+        let end = (start + removed).min(letters.len());
+        letters.splice(start..end, written.chars());
+        workshop.write(file, letters.into_iter().collect::<String>());
+        if let Err(problems) = workshop.load() {
+            prop_assert!(!problems.is_empty());
+            for problem in problems {
+                prop_assert!(!problem.to_string().is_empty());
+            }
+        }
+    }
 }

@@ -5,6 +5,7 @@
 pub mod columns;
 pub mod emulator;
 pub mod ephemeris;
+pub mod filter_config;
 pub mod flight;
 pub mod mission;
 pub mod report;

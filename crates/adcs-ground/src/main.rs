@@ -33,6 +33,7 @@ enum Command {
     Frames(commands::frames::Args),
     Eclipse(commands::eclipse::Args),
     Attitude(commands::attitude::Args),
+    Estimate(commands::estimate::Args),
 }
 
 fn main() -> ExitCode {
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Frames(args) => Ok(commands::frames::run(&args)),
         Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
         Command::Attitude(args) => Ok(commands::attitude::run(&args)),
+        Command::Estimate(args) => Ok(commands::estimate::run(&args)),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

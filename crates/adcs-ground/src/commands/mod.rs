@@ -3,6 +3,7 @@
 pub mod attitude;
 mod console;
 pub mod eclipse;
+pub mod estimate;
 pub mod field;
 mod files;
 pub mod fly;

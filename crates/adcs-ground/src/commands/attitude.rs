@@ -29,6 +29,9 @@ and writes the columns of the input but these, and behind them
                            body axis
   error                    empty, or why the row has no attitude
 
+A nonunique row is a result: it is not named on standard error and does not change
+the exit code.
+
 foam, q-method and quest find the attitude of least loss. triad keeps the direction
 of the first pair and turns the second as near as it goes; loss and margin are of
 these two.

@@ -69,8 +69,11 @@ pub(crate) fn absorb<T: RealField + Copy, const N: usize, const M: usize>(
     covariance: &SMatrix<T, N, N>,
     rows: &[Row<T, N>; M],
 ) -> Option<Correction<T, N>> {
-    let start = Correction { states: SVector::zeros(), covariance: *covariance, nis: T::zero() };
-    let correction = rows.iter().try_fold(start, Correction::and)?;
+    let mut correction =
+        Correction { states: SVector::zeros(), covariance: *covariance, nis: T::zero() };
+    for row in rows {
+        correction.absorb(row)?;
+    }
     let finite =
         correction.nis.is_finite() && correction.states.iter().all(ComplexField::is_finite);
     finite.then_some(correction)
@@ -78,7 +81,7 @@ pub(crate) fn absorb<T: RealField + Copy, const N: usize, const M: usize>(
 
 impl<T: RealField + Copy, const N: usize> Correction<T, N> {
     /// One row more.
-    fn and(self, row: &Row<T, N>) -> Option<Self> {
+    fn absorb(&mut self, row: &Row<T, N>) -> Option<()> {
         let Row { h, innovation, variance } = row;
         let ph = self.covariance * h;
         let innovation_variance = h.dot(&ph) + *variance;
@@ -89,17 +92,16 @@ impl<T: RealField + Copy, const N: usize> Correction<T, N> {
         let gain = ph / innovation_variance;
         // Earlier rows of the same measurement have moved the states already.
         let residual = *innovation - h.dot(&self.states);
+        self.states += gain * residual;
+        self.nis += residual * residual / innovation_variance;
 
         // (I − k hᵀ) P, then times (I − k hᵀ)ᵀ, plus r k kᵀ.
         let short = self.covariance - gain * ph.transpose();
         let again = short * h;
         let joseph = short + (gain * *variance - again) * gain.transpose();
         let half: T = convert(0.5);
-        Some(Self {
-            states: self.states + gain * residual,
-            covariance: (joseph + joseph.transpose()) * half,
-            nis: self.nis + residual * residual / innovation_variance,
-        })
+        self.covariance = (joseph + joseph.transpose()) * half;
+        Some(())
     }
 }
 

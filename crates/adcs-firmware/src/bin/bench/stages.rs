@@ -4,11 +4,15 @@ use core::{cell::RefCell, convert::Infallible, hint::black_box};
 
 use adcs_app::FlightApp;
 use adcs_core::{
-    attitude::{Method, Observation},
+    attitude::{
+        Method, Observation,
+        mekf::{FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
+    },
     control::b_dot::{BDot, BDotGain},
     environment::field::FieldModel,
     frames::Vector,
     orbit::OrbitModel,
+    reading::Reading,
     time::gmst82_rad,
 };
 use adcs_link::message::Message;
@@ -33,6 +37,7 @@ const TRUTH_STEPS: u32 = 25;
 pub fn run(counter: &Counter) {
     models(counter);
     attitude(counter);
+    mekf(counter);
     cycle(counter, &despin(Readings::Exact));
     cycle_with_chips(counter, &despin(Readings::Drivers));
 }
@@ -74,11 +79,51 @@ fn attitude(counter: &Counter) {
     let sun = pair([0.164, 0.976, -0.144], [-0.441, 0.822, 0.361], 0.0116);
     let field = pair([0.37e-5, -3.4e-5, -0.84e-5], [2.76e-5, -2.0e-5, -0.8e-5], 0.05);
     let stage = Stage { counter };
+    let (sun_b, sun_i) = (sun.body().vector(), sun.eci().vector());
+    stage.count("observation", (sun_b, sun_i), |(body, eci)| Observation::new(body, eci, 0.0116));
     let pairs = [sun, field];
     stage.count("triad", pairs, |pairs| Method::Triad.solve(&pairs));
     stage.count("foam", pairs, |pairs| Method::Foam.solve(&pairs));
     stage.count("q_method", pairs, |pairs| Method::QMethod.solve(&pairs));
     stage.count("quest", pairs, |pairs| Method::Quest.solve(&pairs));
+}
+
+/// The filter's parts, and a whole cycle of it, half a second after it started from the same Sun and
+/// field.
+fn mekf(counter: &Counter) {
+    let mekf = Mekf::<f32>::new(&MekfParameters::default()).expect("accepted");
+    let field = FieldPair {
+        body: Vector::new(0.37e-5, -3.4e-5, -0.84e-5),
+        eci: Vector::new(2.76e-5, -2.0e-5, -0.8e-5),
+    };
+    let sun = SunPair {
+        body: Vector::new(0.164, 0.976, -0.144).direction().expect("not zero"),
+        eci: Vector::new(-0.441, 0.822, 0.361).direction().expect("not zero"),
+    };
+    let gyro = Reading::Fresh(Vector::new(0.06, 0.03, 0.14));
+    let inputs = Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) };
+    let state = || {
+        let mut state = MekfState::default();
+        mekf.cycle(&mut state, &inputs);
+        state
+    };
+    let stage = Stage { counter };
+    stage.count("mekf_predict", state(), |mut state| {
+        let outcome = mekf.predict(&mut state, gyro, 0.5);
+        (state, outcome)
+    });
+    stage.count("mekf_update_field", state(), |mut state| {
+        let outcome = mekf.update_field(&mut state, &field);
+        (state, outcome)
+    });
+    stage.count("mekf_update_sun", state(), |mut state| {
+        let outcome = mekf.update_sun(&mut state, &sun);
+        (state, outcome)
+    });
+    stage.count("mekf_cycle", state(), |mut state| {
+        let outcome = mekf.cycle(&mut state, &inputs);
+        (state, outcome)
+    });
 }
 
 /// The truth's step, and the costliest cycle of a round without the cost of any chip.

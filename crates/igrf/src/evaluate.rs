@@ -11,16 +11,15 @@
 //! reference radius and 1/(2n+1)!! are in the prepared g, h. No angle occurs, so nothing is
 //! singular at the poles.
 //!
-//! Order 0 comes from the three-term recursion of the Legendre polynomials, each higher order
-//! from the one below by P′_n+1 = P′_n−1 + (2n+1) P_n, differentiated m−1 times:
+//! Order 1 comes from the three-term recursion of P′_n, each higher order from the one below by
+//! P′_n+1 = P′_n−1 + (2n+1) P_n, differentiated m times:
 //!
 //! ```text
-//! A_n+1,0 = t (2n+1)(2n+3)/(n+1) (z A_n,0 − n A_n−1,0)
-//! A_n+1,m = t (2n+1)(2n+3) (A_n−1,m + A_n,m−1)
+//! A_n+1,1   = t (2n+1)(2n+3)/n (z A_n,1 − (n+1) A_n−1,1)
+//! A_n+1,m+1 = t (2n+1)(2n+3) (A_n−1,m+1 + A_n,m)
 //! ```
 //!
-//! The factor (2n+1)!! is chosen so that the second needs one sum and one product. Its terms
-//! never grow from cancellation: errors of order n−1 enter with weight one.
+//! The factor (2n+1)!! is chosen so that the second needs one sum and one product.
 //!
 //! The field is B = −∇V. From ∂A_nm/∂z at constant r, and Euler's identity for the rest,
 //!
@@ -30,19 +29,25 @@
 //! B_z = z E − D                                      D = Σ A_n,m+1 (g Re ζᵐ + h Im ζᵐ)
 //! ```
 //!
-//! Sums over n come first, so that ζᵐ is multiplied once an order. The weight n in F costs one
-//! addition: Σ_n (N+1−n) p_n is the sum of the partial sums of p.
+//! For order 0, E is summed directly: its terms are g A_n+1,1 / (2n+3). For the others,
+//! * sums over n come first, so that ζᵐ is multiplied once an order;
+//! * the weight n in F costs one addition a term: Σ_n (N+1−n) p_n is the sum of the partial
+//!   sums of p_m … p_N, and n+m+1 = (N+2) − (N+1−n) + m, where the m is Euler's identity for ζᵐ:
+//!   Σ m A_nm (g Re ζᵐ + h Im ζᵐ) = x Σ m A_nm (g Re ζᵐ⁻¹ + …) + y Σ m A_nm (h Re ζᵐ⁻¹ − …);
+//! * two orders go side by side, since A_n,m+1 is needed for both.
 //!
 //! Sources: Cunningham (1970), Celestial Mechanics 2, 207–216, and Montenbruck & Gill (2000),
 //! §3.2.4, for solid harmonics in Cartesian form; Pines (1973), AIAA Journal 11, 1508–1511, for
 //! derived Legendre functions and E. The scaling and the order of summation are our own.
 
+use crate::lanes::{Four, Total};
 use crate::{Error, Real};
 
 /// Degrees 0 to 13.
 pub(crate) const DEGREES: usize = 14;
-/// Pairs (g, h) with 1 ≤ n ≤ 13, 0 ≤ m ≤ n.
-pub(crate) const PAIRS: usize = DEGREES * (DEGREES + 1) / 2 - 1;
+
+/// Rows of coefficients: n = 1 … 13 for the orders 1 and 2, n = 3 … 13 for 3 and 4, …
+pub(crate) const ROWS: usize = 13 + 11 + 9 + 7 + 5 + 3 + 1;
 
 /// Unit of length of the evaluation, km. A power of two, so that scaling a position is exact;
 /// near the Earth's radius, so that f32 neither overflows nor loses digits up to degree 13.
@@ -56,27 +61,38 @@ pub const MIN_RADIUS_KM: f64 = 3_480.0;
 
 /// Positions above this distance from the Earth's centre are refused, km.
 ///
-/// The Moon is nearer. The main field is below 0.1 nT there, a thousandth of that of the solar
-/// wind; a position above it is rather one in metres.
+/// The Moon is nearer. The main field is below 0.1 nT there, a hundredth of that of the solar
+/// wind; what is above is rather a position in metres.
 pub const MAX_RADIUS_KM: f64 = 500_000.0;
 
-/// (2n+1)(2n+3), the ratio (2n+3)!!/(2n−1)!! of the recursion in n.
-pub(crate) const fn legendre_ratio(n: usize) -> f64 {
+/// (2n+1)(2n+3), by which the recursion from order to order is multiplied.
+pub(crate) const fn order_ratio(n: usize) -> f64 {
     ((2 * n + 1) * (2 * n + 3)) as f64
 }
 
-/// (2n+1)(2n+3)/(n+1), the same for order zero.
-pub(crate) const fn zonal_ratio(n: usize) -> f64 {
-    legendre_ratio(n) / (n + 1) as f64
+/// (2n+1)(2n+3)/n, the factor of z A_n,1 in the recursion of order 1, from n = 1.
+pub(crate) const fn degree_ratio(n: usize) -> f64 {
+    if n == 0 { 0.0 } else { order_ratio(n) / n as f64 }
 }
 
-/// Gauss coefficients (g, h) scaled as in the module documentation: by order, then by degree.
-pub(crate) type Pairs<T> = [[T; 2]; PAIRS];
+/// (2n+1)(2n+3)(n+1)/n, the factor of A_n−1,1 in the recursion of order 1, from n = 1.
+pub(crate) const fn degree_ratio_before(n: usize) -> f64 {
+    degree_ratio(n) * (n + 1) as f64
+}
+
+/// Gauss coefficients, scaled as in the module documentation, in the order of their use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scaled<T> {
+    /// g_n0 and g_n0 / (2n+3) for n = 1 … 13.
+    pub(crate) zonal: [[T; 2]; DEGREES - 1],
+    /// (g_nm, g_n,m+1, h_nm, h_n,m+1) for m = 1, 3, … and n = m … 13.
+    pub(crate) rows: [Four<T>; ROWS],
+}
 
 /// The field in nT, Earth-fixed, up to `degree` ≤ 13, at an Earth-fixed position in km.
 pub(crate) fn field_nt<T: Real>(
     degree: usize,
-    pairs: &Pairs<T>,
+    scaled: &Scaled<T>,
     position_km: [T; 3],
 ) -> Result<[T; 3], Error> {
     let [x, y, z] = position_km.map(|coordinate| coordinate * T::from_f64(1.0 / UNIT_KM));
@@ -88,46 +104,46 @@ pub(crate) fn field_nt<T: Real>(
         return Err(refusal(position_km));
     }
     let t = T::ONE / radius_squared;
-    let steps = T::LEGENDRE_RATIO.map(|ratio| t * ratio);
+    // Twice each: one for each of two orders.
+    let steps = T::ORDER_RATIO.map(|ratio| [t * ratio; 2]);
+    let [first_ratio, ..] = T::ORDER_RATIO;
+    let a_00 = t * radius_squared.sqrt();
 
     let mut column = [T::ZERO; DEGREES];
-    let (zonal_pairs, mut pairs) = pairs.split_at(DEGREES - 1);
-    let zonal = zonal_sums(degree, zonal_pairs, &mut column, &steps, t, z);
+    let (d_zonal, e_zonal) =
+        zonal_sums(degree, &scaled.zonal, &mut column, [(t * first_ratio) * a_00, t * z, t]);
 
-    let (mut d, mut f) = (zonal.d, zonal.f);
-    let (mut gradient_x, mut gradient_y) = (T::ZERO, T::ZERO);
-    let (mut re_below, mut im_below) = (T::ONE, T::ZERO); // ζᵐ⁻¹
-    let (mut re, mut im) = (x, y); // ζᵐ
-    let mut steps = steps.as_slice();
+    let mut totals = Totals::new(degree, x, y);
+    let mut rows = scaled.rows.as_slice();
+    let mut column = column.as_mut_slice();
     let mut order = 1;
-    let mut m = T::ONE;
-    // n+m+1 = (N+2) + m − (N+1−n); the term m is Euler's identity for ζᵐ, added at the end.
-    let n_plus_2 = T::from_f64((degree + 2) as f64);
-    while order <= degree {
-        let Some((order_pairs, other_pairs)) = pairs.split_at_checked(DEGREES - order) else {
-            break;
-        };
-        let Some((_, order_steps)) = steps.split_first() else { break };
-        let Some(sums) = order_sums(degree - order, order_pairs, &mut column, order_steps) else {
-            break;
-        };
-        let [c, s] = sums.plain;
-        let [c_partial, s_partial] = sums.partial;
-        let [c_raised, s_raised] = sums.raised;
-        gradient_x += m * (c * re_below + s * im_below);
-        gradient_y += m * (s * re_below - c * im_below);
-        d += c_raised * re + s_raised * im;
-        f += (n_plus_2 * c - c_partial) * re + (n_plus_2 * s - s_partial) * im;
-
-        (re_below, im_below) = (re, im);
-        (re, im) = (x * re - y * im, x * im + y * re);
-        (pairs, steps) = (other_pairs, order_steps);
-        order += 1;
-        m += T::ONE;
+    while order < degree {
+        let Some((here, others)) = rows.split_at_checked(DEGREES - order) else { break };
+        let Some(steps) = steps.get(order..) else { break };
+        let Some(here) = here.get(..=degree - order) else { break };
+        add_two_orders(&mut totals, here, column, steps);
+        column = column.get_mut(1..).unwrap_or(&mut []);
+        rows = others;
+        order += 2;
     }
-    f += x * gradient_x + y * gradient_y;
-    let e = t * (f + z * d);
-    Ok([x * e - gradient_x, y * e - gradient_y, z * e - d])
+    let mut sums = totals.values();
+    // The last order of an odd degree has no partner, and one coefficient.
+    if let (true, Some(Four([g, _, h, _])), Some(a)) =
+        (order == degree, rows.first(), column.first())
+    {
+        let Four([re_below, _, im_below, _]) = totals.power_below;
+        let (c, s) = (*g * *a, *h * *a);
+        let along = c * re_below + s * im_below;
+        let across = s * re_below - c * im_below;
+        sums.gradient_x += totals.order * along;
+        sums.gradient_y += totals.order * across;
+        sums.f += (totals.order + T::ONE) * (x * along + y * across);
+    }
+
+    let f = sums.f + (x * sums.gradient_x + y * sums.gradient_y);
+    let e = e_zonal + t * (f + z * sums.d);
+    let d = d_zonal + sums.d;
+    Ok([x * e - sums.gradient_x, y * e - sums.gradient_y, z * e - d])
 }
 
 const fn in_units_squared(radius_km: f64) -> f64 {
@@ -144,88 +160,153 @@ fn refusal<T: Real>(position_km: [T; 3]) -> Error {
     Error::Radius { radius_km: libm::hypot(libm::hypot(x, y), z) }
 }
 
-/// The share of order zero in D and F.
-struct ZonalSums<T> {
+/// The share of order 0 in D and E; leaves A_n,1 for n = 1 … `degree` in `column`.
+#[inline(always)]
+fn zonal_sums<T: Real>(
+    degree: usize,
+    coefficients: &[[T; 2]; DEGREES - 1],
+    column: &mut [T; DEGREES],
+    [a_11, t_z, t]: [T; 3],
+) -> (T, T) {
+    let [_, ratios @ ..] = &T::DEGREE_RATIO;
+    let [_, ratios_before @ ..] = &T::DEGREE_RATIO_BEFORE;
+    let (mut a, mut a_before) = (a_11, T::ZERO);
+    let (mut d, mut e) = (T::ZERO, T::ZERO);
+    let degrees = coefficients.iter().zip(column).zip(ratios).zip(ratios_before);
+    for (((&[g, g_of_e], slot), &ratio), &ratio_before) in degrees.take(degree) {
+        *slot = a;
+        let a_next = (t_z * ratio) * a - (t * ratio_before) * a_before;
+        d += g * a;
+        e += g_of_e * a_next;
+        (a, a_before) = (a_next, a);
+    }
+    (d, e)
+}
+
+/// Sums over all orders from 1, and where they are.
+///
+/// In the order in which a compiler can treat the four lanes of each as one vector.
+#[repr(C)]
+struct Totals<T: Real> {
+    /// Re ζᵐ⁻¹, Re ζᵐ, Im ζᵐ⁻¹, Im ζᵐ.
+    power_below: Four<T>,
+    gradient_x: T::Total,
+    gradient_y: T::Total,
+    d: T::Total,
+    f: T::Total,
+    /// ζ², by which the powers go from one pair of orders to the next.
+    square: [T; 2],
+    /// m of the next pair of orders m, m+1.
+    order: T,
+    /// N+2.
+    degree_plus_2: T,
+}
+
+/// The sums of [`Totals`] over their lanes.
+struct Sums<T> {
+    gradient_x: T,
+    gradient_y: T,
     d: T,
     f: T,
 }
 
-/// Sums order zero over n, and leaves A_n,1 for n = 1, 2, … in `column`.
-#[inline(always)]
-fn zonal_sums<T: Real>(
-    degree: usize,
-    pairs: &[[T; 2]],
-    column: &mut [T; DEGREES],
-    steps: &[T; DEGREES],
-    t: T,
-    z: T,
-) -> ZonalSums<T> {
-    let [first_slot, slots @ ..] = column;
-    let [first_step, steps @ ..] = steps;
-    let [_, zonal_ratios @ ..] = &T::ZONAL_RATIO;
-    let mut a_before = t.sqrt(); // A_00 = 1/r
-    let mut raised = *first_step * a_before; // A_11
-    let mut raised_before = T::ZERO; // A_01
-    let mut a = z * raised; // A_10
-    *first_slot = raised;
-
-    let (mut d, mut f) = (T::ZERO, T::ZERO);
-    let mut n = T::ONE;
-    let rows = pairs.iter().zip(slots).zip(steps).zip(zonal_ratios);
-    for (((&[g, _], slot), &step), &zonal_ratio) in rows.take(degree) {
-        let n_plus_1 = n + T::ONE;
-        d += g * raised;
-        f += n_plus_1 * (g * a);
-        let raised_next = step * (raised_before + a);
-        *slot = raised_next;
-        (raised_before, raised) = (raised, raised_next);
-        (a_before, a) = (a, t * zonal_ratio * (z * a - n * a_before));
-        n = n_plus_1;
+impl<T: Real> Totals<T> {
+    #[inline(always)]
+    fn new(degree: usize, x: T, y: T) -> Self {
+        Self {
+            power_below: Four([T::ONE, x, T::ZERO, y]),
+            gradient_x: T::Total::ZERO,
+            gradient_y: T::Total::ZERO,
+            d: T::Total::ZERO,
+            f: T::Total::ZERO,
+            square: [x * x - y * y, (x + x) * y],
+            order: T::ONE,
+            degree_plus_2: T::from_f64((degree + 2) as f64),
+        }
     }
-    ZonalSums { d, f }
+
+    /// Multiplies the sums over n of two orders by ζᵐ, and adds them.
+    #[inline(always)]
+    fn add(&mut self, sums: &OrderSums<T>) {
+        let [re, im] = self.square;
+        let below = self.power_below;
+        let next = Four::all(re) * below + Four([-im, -im, im, im]) * below.swapped();
+        let (Four([_, re_0, _, im_0]), Four([re_1, _, im_1, _])) = (below, next);
+        let here = Four([re_0, re_1, im_0, im_1]);
+        let (m, m_plus_1) = (self.order, self.order + T::ONE);
+        let m_below = Four([m, m_plus_1, m, m_plus_1]) * below;
+
+        self.gradient_x.add(sums.plain * m_below);
+        self.gradient_y.add_h_minus_g(sums.plain * m_below.swapped());
+        self.d.add(sums.raised * here);
+        self.f.add((Four::all(self.degree_plus_2) * sums.plain - sums.partial) * here);
+
+        self.power_below = next;
+        self.order = m_plus_1 + T::ONE;
+    }
+
+    #[inline(always)]
+    fn values(&self) -> Sums<T> {
+        Sums {
+            gradient_x: self.gradient_x.value(),
+            gradient_y: self.gradient_y.value(),
+            d: self.d.value(),
+            f: self.f.value(),
+        }
+    }
 }
 
-/// Sums over n for one order, for g and for h.
+/// Sums over n of two orders m, m+1, for g and for h.
 struct OrderSums<T> {
     /// Σ g A_nm.
-    plain: [T; 2],
+    plain: Four<T>,
     /// Sum of the partial sums of g A_nm.
-    partial: [T; 2],
+    partial: Four<T>,
     /// Σ g A_n,m+1.
-    raised: [T; 2],
+    raised: Four<T>,
+    /// A_n,m+1 and A_n,m+2 for the next n.
+    next: [T; 2],
+    /// The same for the n before.
+    before: [T; 2],
 }
 
-/// Sums one order m ≥ 1 over n = m to m + `count`, and replaces A_nm for n = m, m+1, … in
-/// `column` by A_n,m+1 for n = m+1, m+2, …
-#[inline(always)]
-fn order_sums<T: Real>(
-    count: usize,
-    pairs: &[[T; 2]],
-    column: &mut [T; DEGREES],
-    steps: &[T],
-) -> Option<OrderSums<T>> {
-    let [first_slot, slots @ ..] = column;
-    let (&[g, h], pairs) = pairs.split_first()?;
-    let (&first_step, steps) = steps.split_first()?;
-    let a = *first_slot;
-    let mut raised_before = T::ZERO;
-    let mut raised = first_step * a;
-    *first_slot = raised;
+impl<T: Real> OrderSums<T> {
+    const ZERO: Self = Self {
+        plain: Four::ZERO,
+        partial: Four::ZERO,
+        raised: Four::ZERO,
+        next: [T::ZERO; 2],
+        before: [T::ZERO; 2],
+    };
 
-    let (mut c, mut s) = (g * a, h * a);
-    let (mut c_partial, mut s_partial) = (c, s);
-    let (mut c_raised, mut s_raised) = (T::ZERO, T::ZERO);
-    for ((&[g, h], slot), &step) in pairs.iter().zip(slots).zip(steps).take(count) {
-        let a = *slot;
-        c += g * a;
-        s += h * a;
-        c_partial += c;
-        s_partial += s;
-        c_raised += g * raised;
-        s_raised += h * raised;
-        let raised_next = step * (raised_before + a);
-        *slot = raised_next;
-        (raised_before, raised) = (raised, raised_next);
+    /// Adds one n, given A_nm, and returns A_n+1,m+2.
+    #[inline(always)]
+    fn add(&mut self, row: Four<T>, [step_1, step_2]: [T; 2], a: T) -> T {
+        let ([a_1, a_2], [before_1, before_2]) = (self.next, self.before);
+        self.plain += row * Four([a, a_1, a, a_1]);
+        self.partial += self.plain;
+        self.raised += row * Four([a_1, a_2, a_1, a_2]);
+        self.before = self.next;
+        self.next = [step_1 * (before_1 + a), step_2 * (before_2 + a_1)];
+        let [_, raised_twice] = self.next;
+        raised_twice
     }
-    Some(OrderSums { plain: [c, s], partial: [c_partial, s_partial], raised: [c_raised, s_raised] })
+}
+
+/// Adds the orders m and m+1 to `totals`, and replaces A_nm for n = m, m+1, … in `column` by
+/// A_n+1,m+2, so that the next pair of orders begins one place further on.
+///
+/// Out of line: once in memory, the totals are what the compiler forms its vectors from.
+#[inline(never)]
+fn add_two_orders<T: Real>(
+    totals: &mut Totals<T>,
+    rows: &[Four<T>],
+    column: &mut [T],
+    steps: &[[T; 2]],
+) {
+    let mut sums = OrderSums::ZERO;
+    for ((&row, slot), &step) in rows.iter().zip(column).zip(steps) {
+        *slot = sums.add(row, step, *slot);
+    }
+    totals.add(&sums);
 }

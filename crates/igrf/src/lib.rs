@@ -17,6 +17,7 @@ mod error;
 mod evaluate;
 mod generation;
 mod geodetic;
+mod lanes;
 mod real;
 mod table;
 #[cfg(feature = "uplink")]

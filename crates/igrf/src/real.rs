@@ -2,7 +2,8 @@
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::evaluate::{DEGREES, legendre_ratio, zonal_ratio};
+use crate::evaluate::{DEGREES, degree_ratio, degree_ratio_before, order_ratio};
+use crate::lanes::{Four, Total, Two};
 
 /// A floating-point type in which the field can be evaluated: `f32` or `f64`.
 ///
@@ -30,12 +31,18 @@ pub trait Real:
     const HALF_PI: Self;
     /// π, the largest colatitude in radians.
     const PI: Self;
-    /// (2n+1)(2n+3) for n = 0, 1, …: steps the degree of the scaled Legendre functions.
+    /// (2n+1)(2n+3) for n = 0, 1, …
     #[doc(hidden)]
-    const LEGENDRE_RATIO: [Self; DEGREES];
-    /// (2n+1)(2n+3)/(n+1) for n = 0, 1, …: the same for order zero.
+    const ORDER_RATIO: [Self; DEGREES];
+    /// (2n+1)(2n+3)/n for n = 1, 2, …
     #[doc(hidden)]
-    const ZONAL_RATIO: [Self; DEGREES];
+    const DEGREE_RATIO: [Self; DEGREES];
+    /// (2n+1)(2n+3)(n+1)/n for n = 1, 2, …
+    #[doc(hidden)]
+    const DEGREE_RATIO_BEFORE: [Self; DEGREES];
+    /// How sums over all orders are kept.
+    #[doc(hidden)]
+    type Total: Total<Self>;
 
     /// The nearest value to `value`.
     fn from_f64(value: f64) -> Self;
@@ -56,17 +63,16 @@ mod sealed {
 }
 
 macro_rules! real {
-    ($type:ident, $sqrt:path, $sincos:path) => {
+    ($type:ident, $sqrt:path, $sincos:path, $total:ident) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const HALF_PI: Self = core::$type::consts::FRAC_PI_2;
             const PI: Self = core::$type::consts::PI;
-            // An index out of range would not compile.
-            #[allow(clippy::indexing_slicing)]
-            const LEGENDRE_RATIO: [Self; DEGREES] = table!($type, legendre_ratio);
-            #[allow(clippy::indexing_slicing)]
-            const ZONAL_RATIO: [Self; DEGREES] = table!($type, zonal_ratio);
+            const ORDER_RATIO: [Self; DEGREES] = table!($type, order_ratio);
+            const DEGREE_RATIO: [Self; DEGREES] = table!($type, degree_ratio);
+            const DEGREE_RATIO_BEFORE: [Self; DEGREES] = table!($type, degree_ratio_before);
+            type Total = $total<Self>;
 
             fn from_f64(value: f64) -> Self {
                 value as $type
@@ -92,12 +98,16 @@ macro_rules! table {
         let mut table = [0.0; DEGREES];
         let mut n = 0;
         while n < DEGREES {
-            table[n] = $term(n) as $type;
+            // An index out of range would not compile.
+            #[allow(clippy::indexing_slicing)]
+            {
+                table[n] = $term(n) as $type;
+            }
             n += 1;
         }
         table
     }};
 }
 
-real!(f32, libm::sqrtf, libm::sincosf);
-real!(f64, libm::sqrt, libm::sincos);
+real!(f32, libm::sqrtf, libm::sincosf, Four);
+real!(f64, libm::sqrt, libm::sincos, Two);

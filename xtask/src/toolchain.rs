@@ -20,8 +20,9 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 const DEBIAN_PACKAGES: [&str; 2] = ["rustc-web", "rust-web-src"];
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CORE: &str = "/usr/lib/rustlib/src/rust/library/core/Cargo.toml";
-/// Debian's linker, which its compiler uses when no other is named.
+/// Debian's linker, for a Rust that came without one.
 const DEBIAN_LINKER_PACKAGE: &str = "lld-22";
+const DEBIAN_LINKER: &str = "/usr/lib/llvm-22/bin/ld.lld";
 /// The oldest compiler for this repository, as in the workspace manifest.
 const OLDEST_RUSTC: &str = env!("CARGO_PKG_RUST_VERSION");
 
@@ -42,10 +43,10 @@ pub enum Wish {
 pub enum Toolchain {
     /// The installed Rust knows the target.
     Installed,
-    /// Debian's compiler and the linker it needs to be told, if any.
+    /// Debian's compiler, which builds `core` itself.
     Debian {
         /// Full path of the linker.
-        linker: Option<PathBuf>,
+        linker: PathBuf,
     },
 }
 
@@ -66,16 +67,11 @@ impl Toolchain {
             .args(is_ci().then_some("--locked"));
         match self {
             Self::Installed => program,
-            Self::Debian { linker } => {
-                let program = program
-                    .args(["-Zbuild-std=core"])
-                    .env("RUSTC", DEBIAN_RUSTC)
-                    .env("RUSTC_BOOTSTRAP", "1");
-                match linker {
-                    Some(path) => program.env(LINKER_VARIABLE, path),
-                    None => program,
-                }
-            }
+            Self::Debian { linker } => program
+                .args(["-Zbuild-std=core"])
+                .env("RUSTC", DEBIAN_RUSTC)
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env(LINKER_VARIABLE, linker),
         }
     }
 }
@@ -134,7 +130,7 @@ pub fn find(wish: Wish) -> Result<Toolchain> {
     }
     bail!(
         "no compiler for {TARGET}. Install its `core` with one of\n  \
-         rustup target add {TARGET}\n  {}",
+         rustup target add {TARGET}\n  {} {DEBIAN_LINKER_PACKAGE}",
         packages::command(&DEBIAN_PACKAGES)
     )
 }
@@ -164,16 +160,16 @@ fn take(step: Step, sysroot: Option<&Path>) -> Result<Toolchain> {
 fn debian(sysroot: Option<&Path>) -> Result<Toolchain> {
     say("using Debian's compiler, which builds `core` for the target itself");
     if let Some(linker) = sysroot.and_then(rust_lld) {
-        return Ok(Toolchain::Debian { linker: Some(linker) });
+        return Ok(Toolchain::Debian { linker });
     }
-    let own = Program::new(DEBIAN_RUSTC, ["--print", "sysroot"]).output()?;
-    if rust_lld(Path::new(&own)).is_none() {
+    let linker = PathBuf::from(DEBIAN_LINKER);
+    if !linker.is_file() {
         if !packages::can_install() {
             bail!("a linker is missing: {}", packages::command(&[DEBIAN_LINKER_PACKAGE]));
         }
         packages::install(&[DEBIAN_LINKER_PACKAGE])?;
     }
-    Ok(Toolchain::Debian { linker: None })
+    Ok(Toolchain::Debian { linker })
 }
 
 /// The Rust name of this computer.
@@ -188,13 +184,15 @@ fn sysroot() -> Result<PathBuf> {
 }
 
 fn has_target(sysroot: &Path) -> bool {
-    sysroot.join("lib/rustlib").join(TARGET).join("lib").is_dir()
+    let libraries = sysroot.join("lib/rustlib").join(TARGET).join("lib").read_dir();
+    libraries.is_ok_and(|files| {
+        files.flatten().any(|file| file.file_name().to_string_lossy().starts_with("libcore-"))
+    })
 }
 
 /// The linker that comes with a Rust installation, wherever its host's folder is.
 fn rust_lld(sysroot: &Path) -> Option<PathBuf> {
     let hosts = sysroot.join("lib/rustlib").read_dir().ok()?;
-    // A link that leads nowhere is no file: Debian's package has one until lld is installed.
     hosts.flatten().map(|host| host.path().join("bin/rust-lld")).find(|path| path.is_file())
 }
 

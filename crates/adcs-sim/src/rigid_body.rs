@@ -96,9 +96,8 @@ impl Inertia {
         if largest > (smallest + middle) * (1.0 + 1e-12) {
             return Err(InertiaError::Triangle { principal_kg_m2: principal });
         }
-        let inverse = tensor
-            .try_inverse()
-            .ok_or(InertiaError::NotPositive { smallest_kg_m2: smallest })?;
+        let inverse =
+            tensor.try_inverse().ok_or(InertiaError::NotPositive { smallest_kg_m2: smallest })?;
         Ok(Self { tensor, inverse })
     }
 
@@ -200,11 +199,8 @@ mod tests {
     use super::*;
 
     /// SPROUT's assumed tensor, preset A2.
-    const A2: [[f64; 3]; 3] = [
-        [0.05184, 0.00058, -0.00077],
-        [0.00058, 0.05416, 0.00069],
-        [-0.00077, 0.00069, 0.05978],
-    ];
+    const A2: [[f64; 3]; 3] =
+        [[0.05184, 0.00058, -0.00077], [0.00058, 0.05416, 0.00069], [-0.00077, 0.00069, 0.05978]];
     const STEP_S: f64 = 0.1;
 
     fn tumble() -> Motion {
@@ -237,13 +233,8 @@ mod tests {
         }
         // ω = T t / J = 0.1 rad/s, angle = ½ T t² / J = 5 rad.
         assert!((motion.omega_bi.xyz.z - 0.1).abs() < 1e-12);
-        let expected: Rotation<Body, Eci, f64> = Rotation::from_attitude_quaternion([
-            0.0,
-            0.0,
-            libm::sin(2.5),
-            libm::cos(2.5),
-        ])
-        .unwrap();
+        let expected: Rotation<Body, Eci, f64> =
+            Rotation::from_attitude_quaternion([0.0, 0.0, libm::sin(2.5), libm::cos(2.5)]).unwrap();
         assert!((motion.r_bi() * expected.inverse()).angle_rad() < 1e-9);
     }
 

@@ -63,11 +63,7 @@ impl Nature {
     ///
     /// # Errors
     /// A date before leap seconds.
-    pub fn sunlight(
-        &self,
-        now: Utc,
-        position: Vector<Eci, f64>,
-    ) -> Result<Sunlight, FlightError> {
+    pub fn sunlight(&self, now: Utc, position: Vector<Eci, f64>) -> Result<Sunlight, FlightError> {
         let tt = now.to_tt(&LeapSeconds::BUILT_IN).map_err(FlightError::Time)?;
         let sun = ApparentSun::at(tt).position_eci_m();
         let lit = eclipse::lit_fraction(position, sun, EarthShape::Ellipsoid);

@@ -117,8 +117,7 @@ impl World {
         let surroundings = nature.at(p.start)?;
         let sunlight = nature.sunlight(p.start, surroundings.position)?;
         let gyro = Sensor::new(&p.gyro, Gaussian::new(p.seed, GYRO_STREAM));
-        let magnetometer =
-            Sensor::new(&p.magnetometer, Gaussian::new(p.seed, MAGNETOMETER_STREAM));
+        let magnetometer = Sensor::new(&p.magnetometer, Gaussian::new(p.seed, MAGNETOMETER_STREAM));
         Ok(Self {
             now: p.start,
             step_us: p.step_us,

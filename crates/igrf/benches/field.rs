@@ -16,6 +16,7 @@ fn field(criterion: &mut Criterion) {
     }
     cases::ours_geodetic(&mut group);
     cases::world_magnetic_model(&mut group);
+    cases::world_magnetic_model_earth_fixed(&mut group);
 }
 
 fn prepare(criterion: &mut Criterion) {

@@ -15,6 +15,7 @@ fn field(criterion: &mut Criterion) {
     cases::ours::<f32>(&mut group, "f32", 13);
     cases::ours_geodetic(&mut group);
     cases::world_magnetic_model(&mut group);
+    cases::world_magnetic_model_earth_fixed(&mut group);
     igrf_02(&mut group);
 }
 

@@ -40,10 +40,8 @@ mod tests {
     fn the_papers_worst_case_needs_everything_stacked() {
         // 2e-12 kg/m³, 5 cm of lever, 0.08 m²: 5e-7 N·m, the row of the paper's table 5.1.
         let drag = Drag { density_kg_m3: 2e-12, coefficient: 2.2 };
-        let shape = Box3 {
-            sides_m: [0.21, 0.283, 0.283],
-            centre_of_pressure: Vector::new(0.0, 0.05, 0.0),
-        };
+        let shape =
+            Box3 { sides_m: [0.21, 0.283, 0.283], centre_of_pressure: Vector::new(0.0, 0.05, 0.0) };
         let torque = drag.torque(&shape, Vector::new(7_550.0, 0.0, 0.0)).norm();
         assert!((4.5e-7..5.5e-7).contains(&torque), "{torque}");
     }

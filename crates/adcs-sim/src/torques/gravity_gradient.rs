@@ -23,7 +23,8 @@ mod tests {
 
     #[test]
     fn it_is_largest_at_45_deg_and_vanishes_along_an_axis() {
-        let inertia = Inertia::new([[0.05, 0.0, 0.0], [0.0, 0.055, 0.0], [0.0, 0.0, 0.06]]).unwrap();
+        let inertia =
+            Inertia::new([[0.05, 0.0, 0.0], [0.0, 0.055, 0.0], [0.0, 0.0, 0.06]]).unwrap();
         let r_m = 6_993e3;
         assert_eq!(torque(&inertia, Vector::new(r_m, 0.0, 0.0)).norm(), 0.0);
         let half = core::f64::consts::FRAC_1_SQRT_2 * r_m;

@@ -35,10 +35,8 @@ mod tests {
     #[test]
     fn it_is_of_the_papers_size_in_sunlight_and_zero_in_shadow() {
         let pressure = SolarPressure { coefficient: 1.6 };
-        let shape = Box3 {
-            sides_m: [0.21, 0.283, 0.283],
-            centre_of_pressure: Vector::new(0.0, 0.02, 0.0),
-        };
+        let shape =
+            Box3 { sides_m: [0.21, 0.283, 0.283], centre_of_pressure: Vector::new(0.0, 0.02, 0.0) };
         let to_sun = Vector::new(ASTRONOMICAL_UNIT_M, 0.0, 0.0);
         let torque = pressure.torque(&shape, to_sun, 1.0).norm();
         // The paper's table 5.1 has 1.0e-8 N·m.

@@ -102,3 +102,49 @@ pub fn world_magnetic_model(group: &mut BenchmarkGroup<'_, WallTime>) {
         });
     });
 }
+
+/// The same from Earth-fixed positions and into Earth-fixed axes: the job of a satellite, with
+/// the geodetic coordinates (Bowring 1976) and the rotation that it then needs.
+pub fn world_magnetic_model_earth_fixed(group: &mut BenchmarkGroup<'_, WallTime>) {
+    let date = Date::from_ordinal_date(2026, 182).expect("valid");
+    let positions = earth_fixed::<f32>();
+    group.bench_function("world_magnetic_model 1.2025, f32, degree 12, Earth fixed", |bencher| {
+        bencher.iter(|| {
+            for &position in &positions {
+                let (latitude, longitude, height_km) = bowring(black_box(position));
+                let field = GeomagneticField::new(
+                    Length::new::<kilometer>(height_km),
+                    Angle::new::<radian>(latitude),
+                    Angle::new::<radian>(longitude),
+                    black_box(date),
+                )
+                .expect("valid");
+                let [north, east, down] =
+                    [field.x(), field.y(), field.z()].map(|component| component.get::<nanotesla>());
+                let (sin_lat, cos_lat) = latitude.sin_cos();
+                let (sin_lon, cos_lon) = longitude.sin_cos();
+                let outward = -sin_lat * north - cos_lat * down;
+                black_box([
+                    cos_lon * outward - sin_lon * east,
+                    sin_lon * outward + cos_lon * east,
+                    cos_lat * north - sin_lat * down,
+                ]);
+            }
+        });
+    });
+}
+
+/// Latitude and longitude in rad, and height in km, over the WGS84 ellipsoid.
+fn bowring([x, y, z]: [f32; 3]) -> (f32, f32, f32) {
+    const A: f32 = 6378.137;
+    const B: f32 = 6_356.752_3;
+    const E2: f32 = 1.0 - B * B / (A * A);
+    const E2_PRIME: f32 = A * A / (B * B) - 1.0;
+
+    let from_axis = x.hypot(y);
+    let (sin, cos) = (z * A).atan2(from_axis * B).sin_cos();
+    let latitude = (z + E2_PRIME * B * sin.powi(3)).atan2(from_axis - E2 * A * cos.powi(3));
+    let (sin, cos) = latitude.sin_cos();
+    let height = from_axis * cos + z * sin - A * (1.0 - E2 * sin * sin).sqrt();
+    (latitude, y.atan2(x), height)
+}

@@ -3,7 +3,7 @@
 //! | monitor | what it sees | what follows |
 //! |---|---|---|
 //! | gate | one measurement that contradicts the estimate (NIS above a χ² quantile) | it is not used |
-//! | run | several contradictions in a row of one sensor | the estimate is in doubt: found anew if field and Sun have agreed with each other as often in a row; withheld if nothing vouches for it |
+//! | run | several contradictions in a row of one sensor | the estimate is in doubt: found anew if field and Sun agree with each other, and have done so for longer than they disagreed before; withheld if nothing vouches for it |
 //! | mean NIS | innovations that are too large on average for what the covariance promised | the estimate is marked inconsistent |
 //! | covariance | a variance that is negative or not finite, or no Cholesky factor | start again |
 
@@ -30,7 +30,7 @@ const INCONSISTENT_RATIO: f64 = 2.0;
 
 impl<T: RealField + Copy> Channel<T> {
     /// A sensor that has said nothing yet.
-    pub(super) fn new(degrees_of_freedom: f64) -> Self {
+    fn new(degrees_of_freedom: f64) -> Self {
         Self {
             degrees_of_freedom: convert(degrees_of_freedom),
             contradictions: 0,
@@ -39,7 +39,7 @@ impl<T: RealField + Copy> Channel<T> {
     }
 
     /// Holds a measurement's `nis` against its `gate`.
-    pub(super) fn judge(&mut self, nis: T, gate: T) -> Innovation<T> {
+    fn judge(&mut self, nis: T, gate: T) -> Innovation<T> {
         let accepted = nis <= gate;
         self.contradictions = if accepted { 0 } else { self.contradictions.saturating_add(1) };
         // One wild value counts as one at the gate, or it would be remembered for hours.
@@ -49,12 +49,12 @@ impl<T: RealField + Copy> Channel<T> {
     }
 
     /// Whether the sensor has contradicted the estimate `limit` times in a row.
-    pub(super) fn contradicts(&self, limit: u8) -> bool {
+    fn contradicts(&self, limit: u8) -> bool {
         self.contradictions >= limit
     }
 
     /// Whether innovations are as large as promised, on average.
-    pub(super) fn is_consistent(&self) -> bool {
+    fn is_consistent(&self) -> bool {
         self.mean_ratio <= convert(INCONSISTENT_RATIO)
     }
 }
@@ -66,13 +66,22 @@ pub(super) struct Monitor<T> {
     sun: Channel<T>,
     /// Contradictions since the last measurement of either sensor that was accepted.
     unvouched: u8,
-    /// How often in a row field and Sun agreed with each other.
+    /// How often in a row field and Sun agreed with each other, all disagreements paid for.
     agreements: u8,
+    /// Disagreements that are not paid for by as many agreements yet: a broken sensor agrees by chance
+    /// now and then, but not for as long as it was wrong.
+    unpaid: u8,
 }
 
 impl<T: RealField + Copy> Monitor<T> {
     pub(super) fn new() -> Self {
-        Self { field: Channel::new(3.0), sun: Channel::new(2.0), unvouched: 0, agreements: 0 }
+        Self {
+            field: Channel::new(3.0),
+            sun: Channel::new(2.0),
+            unvouched: 0,
+            agreements: 0,
+            unpaid: 0,
+        }
     }
 
     pub(super) fn judge_field(&mut self, nis: T, gate: T) -> Innovation<T> {
@@ -92,10 +101,15 @@ impl<T: RealField + Copy> Monitor<T> {
 
     /// Notes whether field and Sun of one instant agree with each other, whatever the estimate.
     pub(super) fn judge_pair(&mut self, agree: bool) {
-        self.agreements = if agree { self.agreements.saturating_add(1) } else { 0 };
+        (self.agreements, self.unpaid) = match (agree, self.unpaid) {
+            (true, 0) => (self.agreements.saturating_add(1), 0),
+            (true, unpaid) => (0, unpaid.saturating_sub(1)),
+            (false, unpaid) => (0, unpaid.saturating_add(1)),
+        };
     }
 
-    /// Whether field and Sun have agreed with each other `times` in a row.
+    /// Whether field and Sun have agreed with each other `times` in a row, after as many agreements as
+    /// there were disagreements before.
     pub(super) fn sensors_agree(&self, times: u8) -> bool {
         self.agreements >= times
     }
@@ -118,7 +132,8 @@ impl<T: RealField + Copy> Monitor<T> {
     /// Both sensors are heard afresh: the estimate they spoke of is gone. What they said of each other
     /// stands.
     pub(super) fn restart(&mut self) {
-        *self = Self { agreements: self.agreements, ..Self::new() };
+        let Self { agreements, unpaid, .. } = *self;
+        *self = Self { agreements, unpaid, ..Self::new() };
     }
 }
 
@@ -152,6 +167,21 @@ mod tests {
             field.judge(100.0, GATE);
         }
         assert!(field.contradicts(255));
+    }
+
+    #[test]
+    fn sensors_that_disagreed_are_believed_after_agreeing_for_longer() {
+        let mut monitor = Monitor::<f32>::new();
+        let agreeing_after = |monitor: &mut Monitor<f32>, agreements: u32| {
+            (0..agreements).for_each(|_| monitor.judge_pair(true));
+            monitor.sensors_agree(5)
+        };
+        assert!(agreeing_after(&mut monitor, 5));
+        (0..20).for_each(|_| monitor.judge_pair(false));
+        assert!(!agreeing_after(&mut monitor, 24));
+        assert!(agreeing_after(&mut monitor, 1));
+        monitor.restart();
+        assert!(monitor.sensors_agree(5), "they spoke of each other, not of the estimate");
     }
 
     #[test]

@@ -33,7 +33,10 @@ pub fn run(wish: Wish) -> Result<()> {
     let packages = FLIGHT_CRATES.iter().flat_map(|name| ["--package", name]);
     toolchain.cargo("check").args(packages).run()?;
     step("image for the board");
-    toolchain.cargo("check").args(["--package", "adcs-firmware", "--features", "flight"]).run()?;
+    toolchain
+        .cargo("check")
+        .args(["--package", "adcs-firmware", "--bin", "adcs-firmware", "--features", "flight"])
+        .run()?;
     // Debian's compiler comes without clippy.
     if toolchain == Toolchain::Installed {
         step("lints of the images");

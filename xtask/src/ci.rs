@@ -77,11 +77,17 @@ fn locked() -> Option<&'static str> {
     is_ci().then_some("--locked")
 }
 
+/// What missions build on with `base`, and what is no mission by itself.
+const BASES: &str = "satellites";
+
 /// All mission files below `folder`, in order.
 fn mission_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in folder.read_dir().with_context(|| folder.display().to_string())? {
         let path = entry?.path();
+        if path.file_name().is_some_and(|name| name == BASES) {
+            continue;
+        }
         if path.is_dir() {
             files.extend(mission_files(&path)?);
         } else if path.extension().is_some_and(|extension| extension == "toml") {

@@ -33,8 +33,8 @@ impl Node {
 
 /// Gauss coefficients for one date, ready to be evaluated at any number of positions.
 ///
-/// The main field changes by up to 100 nT a year, so coefficients prepared once a day are
-/// within 0.3 nT. In `f32` they take 892 bytes, in `f64` 1784.
+/// The main field changes by up to 220 nT a year (2026), so coefficients prepared once a day are
+/// within 0.6 nT. In `f32` they take 892 bytes, in `f64` 1784.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficients<T> {
     degree: u8,

@@ -1,4 +1,4 @@
-//! IGRF-14 geomagnetic field for microcontrollers.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

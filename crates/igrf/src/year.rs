@@ -4,7 +4,7 @@ use crate::Error;
 
 /// A date as a decimal year: year + (seconds since 1 January 00:00 UTC) / (seconds in that year).
 ///
-/// The main field changes by up to 100 nT a year, so a day is worth 0.3 nT and the time scale
+/// The main field changes by up to 220 nT a year (2026), so a second is nothing and the time scale
 /// (UTC, TT) does not matter.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

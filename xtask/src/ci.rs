@@ -32,16 +32,14 @@ pub fn run(wish: Wish) -> Result<()> {
     step("flight crates without std");
     let packages = FLIGHT_CRATES.iter().flat_map(|name| ["--package", name]);
     toolchain.cargo("check").args(packages).run()?;
-    step("image for the board");
-    toolchain
-        .cargo("check")
-        .args(["--package", "adcs-firmware", "--bin", "adcs-firmware", "--features", "flight"])
-        .run()?;
     // Debian's compiler comes without clippy.
     if toolchain == Toolchain::Installed {
         step("lints of the images");
-        let images = ["--package", "adcs-firmware", "--features", "emulated"];
-        clippy(toolchain.cargo("clippy").args(images))?;
+        let package = ["--package", "adcs-firmware"];
+        let flight = ["--bin", "adcs-firmware", "--features", "flight"];
+        let emulated = ["--bins", "--features", "emulated"];
+        clippy(toolchain.cargo("clippy").args(package).args(flight))?;
+        clippy(toolchain.cargo("clippy").args(package).args(emulated))?;
     }
 
     step("nalgebra without std");

@@ -323,8 +323,8 @@ mod tests {
             let error = refused(|p| p.threshold = found);
             assert!(matches!(error, SunFaceError::Threshold { .. }), "{error}");
         }
-        // 60 deg fall beside a diode that sees 55.8 deg along its axes.
-        for found_rad in [0.0, -0.5, f32::NAN, 1.0472, 1.6] {
+        // 1.05 rad (60 deg) fall beside a diode that sees 55.8 deg along its axes.
+        for found_rad in [0.0, -0.5, f32::NAN, 1.05, 1.6] {
             let error = refused(|p| p.half_cone_rad = found_rad);
             assert!(matches!(error, SunFaceError::HalfCone { .. }), "{error}");
         }

@@ -48,7 +48,7 @@ impl SunFacesParameters {
             let [a, b, c, d, e, f] = CUBE_XYZW;
             [sprout(a), sprout(b), sprout(c), sprout(d), sprout(e), sprout(f)]
         },
-        sigma_rad: 0.011_589,
+        sigma_rad: 0.011_588_986,
         faintest: 0.8,
         brightest: 1.5,
         gate: 5.0,

@@ -8,6 +8,7 @@ pub mod ephemeris;
 pub mod filter_config;
 pub mod flight;
 pub mod mission;
+pub mod omm_file;
 pub mod report;
 pub mod shadow;
 pub mod span;

@@ -55,7 +55,7 @@ impl<T: Real, const W: usize> Number for Lanes<T, W> {
 
     #[inline(always)]
     fn square_root(self) -> Self {
-        Self(self.0.map(T::sqrt))
+        Self(self.0.map(T::square_root))
     }
 
     #[inline(always)]

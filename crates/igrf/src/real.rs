@@ -73,6 +73,9 @@ macro_rules! real {
             fn all(value: Self) -> Self {
                 value
             }
+            // Out of line: in a build for AVX, libm's instruction has the encoding of SSE, and that
+            // costs 130 ns amid wide registers. They are left behind at a call.
+            #[inline(never)]
             fn square_root(self) -> Self {
                 $sqrt(self)
             }

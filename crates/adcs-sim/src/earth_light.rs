@@ -55,7 +55,7 @@ pub fn patches(
     let dark = Patch { towards: Vector::zero(), irradiance: 0.0 };
     let mut patches = [dark; PATCHES];
     let distance_m = position.norm().max(EARTH_RADIUS_M);
-    let Some((nadir, across, along)) = axes(position) else { return patches };
+    let Some([nadir, across, along]) = axes(position) else { return patches };
     let sin_rho = EARTH_RADIUS_M / distance_m;
     let cos_rho = libm::sqrt(1.0 - sin_rho * sin_rho);
     let solid_angle_sr = TAU * (1.0 - cos_rho) / PATCHES as f64;
@@ -77,20 +77,17 @@ pub fn patches(
 }
 
 /// Nadir and two directions across it.
-fn axes(
-    position: Vector<Eci, f64>,
-) -> Option<(Vector<Eci, f64>, Vector<Eci, f64>, Vector<Eci, f64>)> {
+fn axes(position: Vector<Eci, f64>) -> Option<[Vector<Eci, f64>; 3]> {
     let nadir = (-position).direction()?.vector();
     // An axis that is far from parallel.
     let other = if nadir.xyz.z.abs() < 0.7 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] };
     let [x, y, z] = other;
     let across = nadir.cross(&Vector::new(x, y, z)).direction()?.vector();
-    Some((nadir, across, nadir.cross(&across)))
+    Some([nadir, across, nadir.cross(&across)])
 }
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
     use super::*;
 
     const ALTITUDE_M: f64 = 615e3;

@@ -1,7 +1,7 @@
 //! Sunlight that the Earth sends back, as a satellite sees it: patches of its disc.
 //!
-//! The disc of angular radius ρ, sin ρ = R/r, is cut into [`RINGS`] rings of equal solid angle and
-//! each into [`SECTORS`] sectors. In direction u, at the angle η from nadir, a patch stands for the
+//! The disc of angular radius ρ, sin ρ = R/r, is cut into `RINGS` rings of equal solid angle and
+//! each into `SECTORS` sectors. In direction u, at the angle η from nadir, a patch stands for the
 //! ground at
 //!
 //! d = r cos η − √(R² − r² sin² η),  n = (r + d u)/R

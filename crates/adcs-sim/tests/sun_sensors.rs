@@ -3,12 +3,14 @@
 use adcs_core::environment::sun::ASTRONOMICAL_UNIT_M;
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::reading::{MissingReason, Reading};
-use adcs_core::sensing::{Expected, FaceVerdict, SunFaces, SunFacesParameters, SunSighting};
+use adcs_core::sensing::{
+    Expected, FaceVerdict, SunFace, SunFaces, SunFacesParameters, SunSighting,
+};
 use adcs_sim::noise::Gaussian;
 use adcs_sim::scenario::{SunFaceFault, SunSensorsTruth};
 use adcs_sim::sun_sensors::SunSensors;
 use adcs_sim::surroundings::Sunlight;
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// 615 km above the equator.
 const RADIUS_M: f64 = 6_993e3;
@@ -154,6 +156,39 @@ fn the_earth_alone_is_never_taken_for_the_sun() {
         println!("albedo {albedo}: dark {}, not the Sun {}", reasons[0], reasons[1]);
         assert!(reasons.into_iter().all(|count| count > 1_000), "{reasons:?}");
     }
+}
+
+#[test]
+fn the_earths_light_stays_well_below_the_suns() {
+    /// Most of I_full, and of what the Sun would give at the same place, for a unit of albedo.
+    const MOST: f64 = 0.70;
+    let mut truth = sprout(1.0);
+    (truth.noise_rad, truth.current_noise_a) = (0.0, 0.0);
+    let face = SunFace::new(&SunFacesParameters::SPROUT.faces[4]).expect("accepted");
+    let stream = |stream| Gaussian::new(7, stream);
+    let mut sensors = SunSensors::new(&truth, stream(1), stream(2)).expect("directions");
+    let (mut most, mut most_q) = (0.0_f64, 0.0_f64);
+    let up = Vector::new(0.0, 0.0, -1.0);
+    // Face +z looks down; the Sun stands over the satellite and further and further aside.
+    for tilt in (0..80).map(|degrees| f64::from(degrees).to_radians()) {
+        let to_sun = Vector::new(tilt.sin(), 0.0, -tilt.cos()) * ASTRONOMICAL_UNIT_M;
+        for turn in (0..80).map(|degrees| f64::from(degrees).to_radians()) {
+            let q = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, turn, 0.0));
+            sensors.expose(
+                Rotation::from_hamilton(q),
+                &Sunlight { to_sun, lit: 0.0 },
+                up * RADIUS_M,
+            );
+            let currents = [0, 1, 2, 3].map(|electrode| sensors.shown(4, electrode) as f32);
+            if let Ok(spot) = face.spot(Reading::Fresh(currents)) {
+                most = most.max(f64::from(spot.light));
+                most_q = most_q.max(f64::from(spot.light / spot.cos_off_axis));
+            }
+        }
+    }
+    println!("for a unit of albedo: {most:.3} of the full Sun, {most_q:.3} of the Sun there");
+    assert!(most < MOST && most_q < MOST, "{most} {most_q}");
+    assert!(most > 0.9 * MOST, "{most}");
 }
 
 #[test]

@@ -79,8 +79,7 @@ pub fn field_error() -> String {
 /// About the error of the Sun sensors.
 pub fn sun_error() -> String {
     "A cloud near the ground is noise. What stands above it for a while is a face that sees the \
-     Earth beside the Sun. Where there is nothing, no face saw the Sun: night, or a Sun between the \
-     cones."
+     Earth beside the Sun. Where there is nothing, no face saw the Sun, as at night."
         .to_owned()
 }
 

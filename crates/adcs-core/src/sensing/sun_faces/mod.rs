@@ -3,9 +3,9 @@
 //! Each face that has light must pass three questions before it counts:
 //!
 //! 1. *Is it as bright as the Sun would be there?* A pinhole lets I_full · cos θ through of a Sun
-//!    θ off the axis. The sunlit Earth gives at most about a fifth of I_full within ±55 deg (three
-//!    fifths over unbroken cloud), the Sun at the edge of the cone 0.57 of it: what is too faint for
-//!    its place is the Earth, a Sun half set, or a fault; what is too bright is a fault.
+//!    θ off the axis. The sunlit Earth gives at most 0.21 of I_full within ±55 deg (0.55 over
+//!    unbroken cloud), the Sun at the edge of the cone 0.57 of it: what is too faint for its place
+//!    is the Earth, a Sun half set, or a fault; what is too bright is a fault.
 //! 2. *Is it where it is expected?* Asked when somebody has an attitude and its uncertainty.
 //! 3. *Do the faces agree?* Up to three see the Sun at once.
 //!

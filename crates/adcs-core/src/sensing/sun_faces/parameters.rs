@@ -41,7 +41,7 @@ pub struct SunFacesParameters {
 
 impl SunFacesParameters {
     /// SPROUT's: σ of 0.664 deg is published; the rest assumed. 0.8: the Sun's distance takes 3.4 %,
-    /// an ageing diode more, clouds give 0.6 at most. 1.5: the Sun at the edge with half as much
+    /// an ageing diode more, clouds give 0.55 at most. 1.5: the Sun at the edge with half as much
     /// light of the Earth. 5: a chance of 4e-6.
     pub const SPROUT: Self = Self {
         faces: {

@@ -10,6 +10,7 @@ pub mod flight;
 pub mod mission;
 pub mod report;
 pub mod shadow;
+pub mod study;
 pub mod span;
 pub mod table;
 pub mod tle_file;

@@ -51,7 +51,11 @@ pub(crate) type Step<T> = [Vector3<T>; COUNT];
 
 impl<T: RealField + Copy> Row<T> {
     /// A measurement that sees these triples alone.
-    pub(crate) fn new<const M: usize>(h: [(Block, Vector3<T>); M], innovation: T, variance: T) -> Self {
+    pub(crate) fn new<const M: usize>(
+        h: [(Block, Vector3<T>); M],
+        innovation: T,
+        variance: T,
+    ) -> Self {
         let mut row = Self { h: [None; COUNT], innovation, variance };
         for (block, of_block) in h {
             if let Some(slot) = row.h.get_mut(block as usize) {
@@ -97,14 +101,6 @@ impl<T: RealField + Copy> Covariance<T> {
         self.set(block, block, &(self.block(block, block) + more));
     }
 
-    /// Forgets how a triple's error goes with the others', and gives it this covariance.
-    pub(crate) fn renew(&mut self, block: Block, covariance: &Matrix3<T>) {
-        for other in Block::ALL {
-            self.set(block, other, &Matrix3::zeros());
-        }
-        self.set(block, block, covariance);
-    }
-
     /// Variances of a triple.
     pub(crate) fn variance(&self, block: Block) -> Vector3<T> {
         self.block(block, block).diagonal()
@@ -115,7 +111,8 @@ impl<T: RealField + Copy> Covariance<T> {
         let attitude = self.times(&transition.attitude);
         let rate = self.times(&transition.rate);
         let corner = |left: &Triples<T>, right: &[Option<Matrix3<T>>; COUNT]| {
-            let terms = left.iter().zip(right).filter_map(|(x, phi)| phi.map(|phi| x * phi.transpose()));
+            let terms =
+                left.iter().zip(right).filter_map(|(x, phi)| phi.map(|phi| x * phi.transpose()));
             terms.fold(Matrix3::zeros(), |sum, term| sum + term)
         };
         let half: T = convert(0.5);
@@ -124,12 +121,12 @@ impl<T: RealField + Copy> Covariance<T> {
         let mixed = corner(&attitude, &transition.rate);
         let of_rate = symmetric(corner(&rate, &transition.rate));
 
-        for (row, (of_attitude, of_rate)) in self.rows.iter_mut().zip(attitude.iter().zip(&rate)) {
-            row[Block::Attitude as usize] = of_attitude.transpose();
-            row[Block::Rate as usize] = of_rate.transpose();
+        for (block, (of_attitude, of_rate)) in
+            Block::ALL.into_iter().zip(attitude.iter().zip(&rate))
+        {
+            self.set(Block::Attitude, block, of_attitude);
+            self.set(Block::Rate, block, of_rate);
         }
-        self.rows[Block::Attitude as usize] = attitude;
-        self.rows[Block::Rate as usize] = rate;
         self.set(Block::Attitude, Block::Attitude, &of_attitude);
         self.set(Block::Attitude, Block::Rate, &mixed);
         self.set(Block::Rate, Block::Rate, &of_rate);
@@ -222,7 +219,178 @@ impl<T: RealField + Copy> Covariance<T> {
 
     /// Whether every number is finite and no variance negative.
     pub(crate) fn is_sound(&self) -> bool {
-        let finite = self.rows.iter().flatten().flat_map(Matrix3::iter).all(ComplexField::is_finite);
+        let finite =
+            self.rows.iter().flatten().flat_map(Matrix3::iter).all(ComplexField::is_finite);
         finite && Block::ALL.into_iter().all(|block| self.variance(block).min() >= T::zero())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{SMatrix, SVector};
+
+    const STATES: usize = 3 * COUNT;
+    type Dense<T> = SMatrix<T, STATES, STATES>;
+    type DenseVector<T> = SVector<T, STATES>;
+
+    /// Rounding of products of 21 × 21 numbers of order ten.
+    const ROUNDING: f64 = 1e-13;
+
+    fn dense<T: RealField + Copy>(covariance: &Covariance<T>) -> Dense<T> {
+        Dense::from_fn(|i, j| covariance.rows[i / 3][j / 3][(i % 3, j % 3)])
+    }
+
+    fn dense_row<T: RealField + Copy>(row: &Row<T>) -> DenseVector<T> {
+        DenseVector::from_fn(|i, _| row.h[i / 3].map_or(T::zero(), |h| h[i % 3]))
+    }
+
+    fn dense_step<T: RealField + Copy>(step: &Step<T>) -> DenseVector<T> {
+        DenseVector::from_fn(|i, _| step[i / 3][i % 3])
+    }
+
+    fn of(dense: &Dense<f64>) -> Covariance<f64> {
+        let mut covariance = Covariance::zeros();
+        for row in Block::ALL {
+            for column in Block::ALL {
+                let corner = (3 * row as usize, 3 * column as usize);
+                let block: Matrix3<f64> = dense.fixed_view::<3, 3>(corner.0, corner.1).into();
+                covariance.set(row, column, &block);
+            }
+        }
+        covariance
+    }
+
+    fn prior() -> Covariance<f64> {
+        let root = Dense::from_fn(|i, j| libm::sin((7 * i + 3 * j * j) as f64));
+        of(&(root * root.transpose() + Dense::identity() * 0.1))
+    }
+
+    fn nothing() -> Step<f64> {
+        [Vector3::zeros(); COUNT]
+    }
+
+    /// A gyro's three axes.
+    fn gyro_rows() -> [Row<f64>; 3] {
+        [(Vector3::x(), 0.4), (Vector3::y(), -0.3), (Vector3::z(), 0.1)].map(
+            |(axis, innovation)| {
+                Row::new([(Block::Rate, axis), (Block::Bias, axis)], innovation, 0.02)
+            },
+        )
+    }
+
+    #[test]
+    fn propagation_is_phi_p_phi_transposed() {
+        let block = |seed: f64| Some(Matrix3::from_fn(|i, j| libm::cos(seed + (5 * i + j) as f64)));
+        // As it flies: the bias is not in it, and a triple that is off is not either.
+        let transition = Transition {
+            attitude: [block(0.1), block(0.2), None, block(0.3), block(0.4), block(0.5), None],
+            rate: [block(1.1), block(1.2), None, block(1.3), block(1.4), block(1.5), None],
+        };
+        let mut phi = Dense::identity();
+        for (row, blocks) in [transition.attitude, transition.rate].iter().enumerate() {
+            for (column, block) in blocks.iter().enumerate() {
+                let block = block.unwrap_or_else(Matrix3::zeros);
+                phi.fixed_view_mut::<3, 3>(3 * row, 3 * column).copy_from(&block);
+            }
+        }
+        let mut covariance = prior();
+        covariance.propagate(&transition);
+        let expected = phi * dense(&prior()) * phi.transpose();
+        let found = dense(&covariance);
+        assert!((found - expected).norm() < ROUNDING * expected.norm());
+        assert_eq!(found, found.transpose());
+    }
+
+    #[test]
+    fn scalars_one_by_one_are_the_vector_update_of_the_whole_matrix() {
+        let (mut covariance, mut step) = (prior(), nothing());
+        let rows = gyro_rows();
+        let nis: f64 = rows.iter().map(|row| covariance.absorb(row, &mut step).unwrap()).sum();
+
+        let h = SMatrix::<f64, 3, STATES>::from_fn(|i, j| dense_row(&rows[i])[j]);
+        let p = dense(&prior());
+        let innovation = Vector3::from(rows.map(|row| row.innovation));
+        let s = h * p * h.transpose() + Matrix3::from_diagonal_element(0.02);
+        let inverse = s.try_inverse().unwrap();
+        let gain = p * h.transpose() * inverse;
+        let expected = (Dense::identity() - gain * h) * p;
+        assert!((dense(&covariance) - expected).norm() < ROUNDING * p.norm());
+        assert!((dense_step(&step) - gain * innovation).norm() < ROUNDING);
+        assert!((nis - innovation.dot(&(inverse * innovation))).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn what_cannot_be_a_measurement_is_refused_and_changes_nothing() {
+        let row = Row::new([(Block::Attitude, Vector3::x())], 0.1, 0.01);
+        let refuses = |covariance: Covariance<f64>, row: Row<f64>| {
+            let (mut after, mut step) = (covariance, nothing());
+            let refused = after.absorb(&row, &mut step).is_none();
+            refused && step == nothing() && after.rows[1] == covariance.rows[1]
+        };
+        assert!(!refuses(prior(), row));
+        assert!(refuses(of(&-dense(&prior())), row));
+        for innovation in [f64::NAN, f64::INFINITY] {
+            assert!(refuses(prior(), Row { innovation, ..row }));
+        }
+        for variance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(refuses(prior(), Row { variance, ..row }));
+        }
+        for h in [f64::NAN, f64::INFINITY] {
+            assert!(refuses(prior(), Row::new([(Block::Rate, Vector3::y() * h)], 0.1, 0.01)));
+        }
+    }
+
+    #[test]
+    fn a_measurement_a_hundred_thousand_times_better_leaves_its_own_variance_in_f32() {
+        // The short form P − k hᵀ P would leave 1e-6 of rounding here.
+        const VARIANCE: f32 = 1e-4;
+        let along = Vector3::new(0.6, 0.48, 0.64);
+        for h in [[(Block::Attitude, along)], [(Block::Bias, Vector3::x())]] {
+            let mut covariance = Covariance::zeros();
+            for block in Block::ALL {
+                covariance.add(block, &(Matrix3::identity() * 10.0));
+            }
+            // Rounding of hᵀ P h beside variances of 10 is a hundredth of it.
+            for times in 1..=20 {
+                let row = Row::new(h, 0.0, VARIANCE);
+                covariance.absorb(&row, &mut [Vector3::zeros(); COUNT]).unwrap();
+                let left = row.dot(&covariance.times_row(&row));
+                assert!(times > 1 || (left - VARIANCE).abs() < 0.02 * VARIANCE, "{left}");
+                assert!(dense(&covariance).cholesky().is_some(), "{times}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_triple_that_decays_takes_its_covariances_along() {
+        let mut covariance = prior();
+        covariance.scale(Block::Torque, 0.9);
+        let mut decay = Dense::identity();
+        decay.fixed_view_mut::<3, 3>(18, 18).fill_diagonal(0.9);
+        let expected = decay * dense(&prior()) * decay;
+        assert!((dense(&covariance) - expected).norm() < ROUNDING * expected.norm());
+    }
+
+    #[test]
+    fn what_is_added_to_a_triple_is_added_to_it_alone() {
+        let mut covariance = prior();
+        covariance.add(Block::Dipole, &(Matrix3::identity() * 0.25));
+        let mut more = Dense::zeros();
+        more.fixed_view_mut::<3, 3>(9, 9).fill_diagonal(0.25);
+        assert_eq!(dense(&covariance), dense(&prior()) + more);
+    }
+
+    #[test]
+    fn what_is_no_covariance_is_seen() {
+        assert!(prior().is_sound());
+        for bad in [f64::NAN, f64::INFINITY, -100.0] {
+            let mut covariance = prior();
+            covariance.add(Block::Products, &Matrix3::from_diagonal_element(bad));
+            assert!(!covariance.is_sound());
+        }
+        let mut mixed = prior();
+        mixed.set(Block::Rate, Block::Dipole, &Matrix3::from_element(f64::NAN));
+        assert!(!mixed.is_sound());
     }
 }

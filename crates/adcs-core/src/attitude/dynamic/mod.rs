@@ -114,7 +114,7 @@ impl<T: RealField + Copy> DynamicState<T> {
         tracked.bias = truth.bias;
         tracked.dipole = truth.dipole;
         tracked.moments = more.diagonal();
-        tracked.products = Vector3::new(more[(0, 1)], more[(0, 2)], more[(1, 2)]);
+        tracked.products = Vector3::new(more.m12, more.m13, more.m23);
         tracked.torque = truth.torque / convert::<f64, T>(TORQUE_UNIT_N_M);
         self.watch = Watch::new();
     }
@@ -159,12 +159,14 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         if !carried {
             state.tracked = None;
         }
+        let lost = (!carried).then_some(DynamicEvent::Lost);
         self.cross_shadow(state, inputs.sunlit);
 
         let Some(tracked) = &mut state.tracked else {
-            return self.start(state, inputs, kinematic);
+            let started = self.start(state, inputs, kinematic);
+            return DynamicOutput { event: lost.or(started.event), ..started };
         };
-        let gyro = inputs.sensors.gyro.value().map(|gyro| self.update_gyro(tracked, &gyro));
+        let gyro = self.possible_rate(inputs).map(|gyro| self.update_gyro(tracked, &gyro));
         let field = inputs.sensors.field.filter(FieldPair::is_plausible);
         let field = field.map(|pair| self.update_field(tracked, &pair));
         let sun = inputs.sensors.sun.and_then(|pair| self.update_sun(tracked, &pair));
@@ -194,7 +196,8 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         let dt_s = inputs.sensors.dt_s;
         let limit = self.parameters.sensors.limits.step_s;
         // A NaN fails both comparisons.
-        if !(dt_s >= T::zero() && dt_s <= limit) || !inputs.torquer_dipole.is_finite() {
+        let is_time = dt_s >= T::zero() && dt_s <= limit;
+        if !is_time || !inputs.torquer_dipole.is_finite() {
             return false;
         }
         let (Some(before), Some(now)) = (*field_before, inputs.reference_field) else {
@@ -243,6 +246,13 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         }
     }
 
+    /// What the gyro shows, if it is within the range of one: as in the MEKF.
+    fn possible_rate(&self, inputs: &DynamicInputs<T>) -> Option<Vector<Body, T>> {
+        let limit = self.parameters.sensors.limits.rate_rad_s;
+        let gyro = inputs.sensors.gyro.value();
+        gyro.filter(|rate| rate.is_finite() && rate.xyz.amax() <= limit)
+    }
+
     fn update_gyro(&self, tracked: &mut Tracked<T>, gyro: &Vector<Body, T>) -> Innovation<T> {
         let noise = self.parameters.sensors.gyro_noise_rad_s;
         let innovation = gyro.xyz - tracked.motion.omega - tracked.bias;
@@ -267,11 +277,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         Innovation { nis, accepted }
     }
 
-    fn update_sun(
-        &self,
-        tracked: &mut Tracked<T>,
-        sun: &SunPair<T>,
-    ) -> Option<Innovation<T>> {
+    fn update_sun(&self, tracked: &mut Tracked<T>, sun: &SunPair<T>) -> Option<Innovation<T>> {
         let expected = (tracked.motion.r_bi * sun.eci).vector();
         let noise = self.parameters.sensors.sun_noise_rad;
         let measured = sun.body.vector();
@@ -290,13 +296,12 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         kinematic: &mekf::Output<T>,
     ) -> DynamicOutput<T> {
         let (Some(estimate), Some(gyro), Some(_)) =
-            (&kinematic.estimate, inputs.sensors.gyro.value(), inputs.reference_field)
+            (&kinematic.estimate, self.possible_rate(inputs), inputs.reference_field)
         else {
             return DynamicOutput::none(None);
         };
-        let Some(tracked) = self.taken_over(estimate, gyro.xyz) else {
-            return DynamicOutput::none(None);
-        };
+        let tracked = self.taken_over(estimate, gyro.xyz).filter(Tracked::is_sound);
+        let Some(tracked) = tracked else { return DynamicOutput::none(None) };
         state.tracked = Some(tracked);
         state.torque_size = Some(TorqueSize::new(&self.parameters.torque));
         state.watch = Watch::new();
@@ -326,7 +331,11 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         }
         if parameters.blocks.torque {
             let unit: T = convert(TORQUE_UNIT_N_M);
-            covariance.set(Block::Torque, Block::Torque, &square(parameters.torque.start_n_m / unit));
+            covariance.set(
+                Block::Torque,
+                Block::Torque,
+                &square(parameters.torque.start_n_m / unit),
+            );
         }
         let [m_x, m_y, m_z] = parameters.dipole_am2;
         Some(Tracked {
@@ -345,9 +354,12 @@ impl<T: RealField + Copy> DynamicFilter<T> {
     fn output(&self, state: &DynamicState<T>, event: Option<DynamicEvent>) -> DynamicOutput<T> {
         let sigma = state.torque_size.as_ref().map_or_else(T::zero, TorqueSize::sigma);
         let trusted = state.watch.trusts();
-        let doubtful = state.watch.gyro_is_doubtful(self.parameters.sensors.gates.contradictions_in_a_row);
-        let estimate =
-            state.tracked.as_ref().map(|tracked| DynamicEstimate::new(tracked, sigma, trusted, doubtful));
+        let doubtful =
+            state.watch.gyro_is_doubtful(self.parameters.sensors.gates.contradictions_in_a_row);
+        let estimate = state
+            .tracked
+            .as_ref()
+            .map(|tracked| DynamicEstimate::new(tracked, sigma, trusted, doubtful));
         DynamicOutput { estimate, ..DynamicOutput::none(event) }
     }
 }

@@ -30,7 +30,8 @@ pub struct DynamicOutput<T: RealField + Copy = f32> {
 pub enum DynamicEvent {
     /// It was taken over from the MEKF.
     Started,
-    /// Time, field model or torquers gave nothing to go on with, or a number was none.
+    /// Time, field model or torquers gave nothing to go on with, or a number was none; when there is
+    /// an estimate, it has already been taken over anew.
     Lost,
     /// The sensors, or the MEKF, contradicted it for too long: it is given up, and will start again.
     Contradicted,
@@ -68,7 +69,12 @@ pub struct DynamicEstimate<T: RealField + Copy = f32> {
 }
 
 impl<T: RealField + Copy> DynamicEstimate<T> {
-    pub(super) fn new(tracked: &Tracked<T>, torque_sigma: T, trusted: bool, gyro_doubtful: bool) -> Self {
+    pub(super) fn new(
+        tracked: &Tracked<T>,
+        torque_sigma: T,
+        trusted: bool,
+        gyro_doubtful: bool,
+    ) -> Self {
         let unit: T = convert(TORQUE_UNIT_N_M);
         let p = &tracked.covariance;
         let sigma = |block: Block| -> Vector<Body, T> {
@@ -94,7 +100,7 @@ impl<T: RealField + Copy> DynamicEstimate<T> {
 }
 
 impl<T: RealField + Copy> DynamicOutput<T> {
-    pub(super) fn none(event: Option<DynamicEvent>) -> Self {
+    pub(in crate::attitude) fn none(event: Option<DynamicEvent>) -> Self {
         Self { estimate: None, gyro: None, field: None, sun: None, event }
     }
 }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use nalgebra::{Matrix3, RealField, convert};
+use nalgebra::{ComplexField, Matrix3, RealField, convert};
 use serde::{Deserialize, Serialize};
 
 use super::block::Blocks;
@@ -110,7 +110,9 @@ impl fmt::Display for DynamicError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Sensors(error) => write!(f, "{error}"),
-            Self::Inertia => write!(f, "the inertia tensor must be symmetric and positive definite"),
+            Self::Inertia => {
+                write!(f, "the inertia tensor must be symmetric and positive definite")
+            }
             Self::OutOfRange { name, found, from, to } => {
                 write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
             }
@@ -125,14 +127,17 @@ impl<T: RealField + Copy> DynamicParameters<T> {
     pub(super) fn check(&self) -> Result<(), DynamicError> {
         self.sensors.check().map_err(DynamicError::Sensors)?;
         let tensor = self.inertia();
-        let physical = tensor.iter().all(|entry| entry.is_finite())
+        let physical = tensor.iter().all(ComplexField::is_finite)
             && tensor == tensor.transpose()
             && tensor.cholesky().is_some();
         if !physical {
             return Err(DynamicError::Inertia);
         }
-        let TorqueNoise { smallest_n_m, start_n_m, largest_n_m, correlation_s, memory_s } = self.torque;
+        let TorqueNoise { smallest_n_m, start_n_m, largest_n_m, correlation_s, memory_s } =
+            self.torque;
         let [m_x, m_y, m_z] = self.dipole_am2;
+        let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
+        let (smallest, largest) = (number(smallest_n_m), number(largest_n_m));
         for (name, found, from, to) in [
             ("the mean moment of inertia", self.mean_moment(), 1e-6, 1e4),
             ("the prior of the moments of inertia", self.moment_prior, 0.0, 0.3),
@@ -144,12 +149,12 @@ impl<T: RealField + Copy> DynamicParameters<T> {
             ("the walk of the residual dipole", self.dipole_walk_am2_per_sqrt_s, 0.0, 1.0),
             ("the step of the residual dipole", self.dipole_step_am2, 0.0, 10.0),
             ("the smallest unknown torque", smallest_n_m, 1e-10, 1e-3),
-            ("the unknown torque at the start", start_n_m, 1e-10, 1e-3),
-            ("the largest unknown torque", largest_n_m, 1e-10, 1e-3),
+            ("the largest unknown torque", largest_n_m, smallest, 1e-3),
+            ("the unknown torque at the start", start_n_m, smallest, largest),
             ("the unknown torque's correlation time", correlation_s, 1.0, 1e6),
             ("the memory for the unknown torque", memory_s, 10.0, 1e6),
         ] {
-            let found: f64 = nalgebra::try_convert(found).unwrap_or(f64::NAN);
+            let found: f64 = number(found);
             if !(from..=to).contains(&found) {
                 return Err(DynamicError::OutOfRange { name, found, from, to });
             }
@@ -166,5 +171,94 @@ impl<T: RealField + Copy> DynamicParameters<T> {
     /// A third of the trace: the unit of the parameters of inertia, kg·m².
     pub(super) fn mean_moment(&self) -> T {
         self.inertia().trace() / convert(3.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::attitude::mekf::Parameter;
+
+    fn refused(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<DynamicError> {
+        let mut parameters = DynamicParameters::default();
+        change(&mut parameters);
+        parameters.check().err()
+    }
+
+    fn refused_name(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<&'static str> {
+        match refused(change)? {
+            DynamicError::OutOfRange { name, .. } => Some(name),
+            DynamicError::Inertia => Some("inertia"),
+            DynamicError::Sensors(_) => Some("sensors"),
+        }
+    }
+
+    #[test]
+    fn the_default_is_accepted_in_both_precisions() {
+        assert_eq!(DynamicParameters::<f32>::default().check(), Ok(()));
+        assert_eq!(DynamicParameters::<f64>::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn impossible_values_are_refused_by_name() {
+        type Field = fn(&mut DynamicParameters<f32>) -> &mut f32;
+        let fields: [(Field, &str); 13] = [
+            (|p| &mut p.moment_prior, "the prior of the moments of inertia"),
+            (|p| &mut p.product_prior, "the prior of the products of inertia"),
+            (|p| &mut p.dipole_am2[0], "the residual dipole along x"),
+            (|p| &mut p.dipole_am2[1], "the residual dipole along y"),
+            (|p| &mut p.dipole_am2[2], "the residual dipole along z"),
+            (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
+            (|p| &mut p.dipole_walk_am2_per_sqrt_s, "the walk of the residual dipole"),
+            (|p| &mut p.dipole_step_am2, "the step of the residual dipole"),
+            (|p| &mut p.torque.smallest_n_m, "the smallest unknown torque"),
+            (|p| &mut p.torque.start_n_m, "the unknown torque at the start"),
+            (|p| &mut p.torque.largest_n_m, "the largest unknown torque"),
+            (|p| &mut p.torque.correlation_s, "the unknown torque's correlation time"),
+            (|p| &mut p.torque.memory_s, "the memory for the unknown torque"),
+        ];
+        for (field, name) in fields {
+            for bad in [f32::NAN, f32::INFINITY, -1e9] {
+                assert_eq!(refused_name(|p| *field(p) = bad), Some(name), "{bad}");
+            }
+        }
+        // A forgotten factor of 1e6: micronewton metres.
+        let start = refused_name(|p| p.torque.start_n_m = 0.08);
+        assert_eq!(start, Some("the unknown torque at the start"));
+        // No walk, no step and a tensor that is known are possible.
+        assert_eq!(refused(|p| p.dipole_walk_am2_per_sqrt_s = 0.0), None);
+        assert_eq!(refused(|p| p.dipole_step_am2 = 0.0), None);
+        assert_eq!(refused(|p| (p.moment_prior, p.product_prior) = (0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn the_unknown_torque_is_between_its_limits_from_the_start() {
+        let start = refused_name(|p| p.torque.start_n_m = 1e-8);
+        assert_eq!(start, Some("the unknown torque at the start"), "below the smallest");
+        let start = refused_name(|p| p.torque.start_n_m = 3e-6);
+        assert_eq!(start, Some("the unknown torque at the start"), "above the largest");
+        let largest = refused_name(|p| p.torque.largest_n_m = 1e-8);
+        assert_eq!(largest, Some("the largest unknown torque"), "below the smallest");
+    }
+
+    #[test]
+    fn what_is_no_inertia_is_refused() {
+        let inertia = Some(DynamicError::Inertia);
+        assert_eq!(refused(|p| p.inertia_kg_m2[0][1] = 0.001), inertia, "not symmetric");
+        assert_eq!(refused(|p| p.inertia_kg_m2[1][1] = -0.05), inertia);
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(refused(|p| p.inertia_kg_m2[2][2] = bad), inertia);
+        }
+        // Grams and square millimetres.
+        let name = refused_name(|p| p.inertia_kg_m2.iter_mut().flatten().for_each(|j| *j *= 1e9));
+        assert_eq!(name, Some("the mean moment of inertia"));
+    }
+
+    #[test]
+    fn what_the_mekf_refuses_is_refused() {
+        match refused(|p| p.sensors.gyro_noise_rad_s = f32::NAN) {
+            Some(DynamicError::Sensors(error)) => assert_eq!(error.parameter, Parameter::GyroNoise),
+            other => panic!("{other:?}"),
+        }
     }
 }

@@ -11,6 +11,7 @@ pub mod mission;
 pub mod omm_file;
 pub mod report;
 pub mod shadow;
+pub mod study;
 pub mod span;
 pub mod table;
 pub mod tle_file;

@@ -31,6 +31,7 @@
 //! Source: Wahba (1965); Markley & Crassidis (2014), ch. 5. Derivations: docs/attitude.
 
 mod davenport;
+pub mod dynamic;
 mod foam;
 mod information;
 pub mod mekf;

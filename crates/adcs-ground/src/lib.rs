@@ -12,6 +12,7 @@ pub mod omm_file;
 pub mod report;
 pub mod shadow;
 pub mod span;
+pub mod study;
 pub mod table;
 pub mod tle_file;
 pub mod tle_report;

@@ -34,6 +34,8 @@ enum Command {
     Eclipse(commands::eclipse::Args),
     Attitude(commands::attitude::Args),
     Estimate(commands::estimate::Args),
+    /// How well the filters do
+    Study(commands::study::Args),
 }
 
 fn main() -> ExitCode {
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
         Command::Attitude(args) => Ok(commands::attitude::run(&args)),
         Command::Estimate(args) => Ok(commands::estimate::run(&args)),
+        Command::Study(args) => commands::study::run(&args),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {error:#}");

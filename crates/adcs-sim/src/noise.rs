@@ -22,7 +22,7 @@ impl Gaussian {
     }
 
     /// Uniform in −1 to 1, 53 bits.
-    fn symmetric(&mut self) -> f64 {
+    pub fn symmetric(&mut self) -> f64 {
         const SCALE: f64 = 1.0 / (1_u64 << 52) as f64;
         (self.generator.next_u64() >> 11) as f64 * SCALE - 1.0
     }

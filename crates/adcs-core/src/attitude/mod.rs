@@ -31,6 +31,8 @@
 //! Source: Wahba (1965); Markley & Crassidis (2014), ch. 5. Derivations: docs/attitude.
 
 mod davenport;
+pub mod dynamic;
+pub mod field_rate;
 mod foam;
 mod information;
 pub mod mekf;
@@ -39,6 +41,7 @@ mod optimum;
 mod problem;
 mod q_method;
 mod quest;
+pub mod selection;
 mod triad;
 
 use core::fmt;

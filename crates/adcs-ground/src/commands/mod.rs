@@ -11,5 +11,6 @@ pub mod frames;
 pub mod mission;
 pub mod propagate;
 pub mod report;
+pub mod study;
 pub mod sun;
 pub mod tle;

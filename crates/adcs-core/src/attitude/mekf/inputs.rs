@@ -57,7 +57,7 @@ const WEAKEST_FIELD_T: f64 = 1e-9;
 
 impl<T: RealField + Copy> FieldPair<T> {
     /// Whether both can be a field of the Earth: finite, neither too strong nor too weak.
-    pub(super) fn is_plausible(&self) -> bool {
+    pub(in crate::attitude) fn is_plausible(&self) -> bool {
         let range = convert(WEAKEST_FIELD_T)..=convert(STRONGEST_FIELD_T);
         range.contains(&self.body.norm()) && range.contains(&self.eci.norm())
     }

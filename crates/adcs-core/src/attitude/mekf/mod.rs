@@ -27,8 +27,8 @@
 
 mod gyro;
 mod inputs;
-mod measurement;
-mod monitor;
+pub(in crate::attitude) mod measurement;
+pub(in crate::attitude) mod monitor;
 mod output;
 mod parameters;
 mod propagation;
@@ -38,7 +38,7 @@ mod update;
 
 use nalgebra::{Matrix3, RealField, Vector3};
 
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, Eci, Rotation, Vector};
 use crate::reading::Reading;
 
 pub use self::gyro::GyroSampling;
@@ -309,6 +309,17 @@ fn nis<T: RealField + Copy>(correction: &Option<Correction<T, 6>>) -> T {
 }
 
 impl<T: RealField + Copy> MekfState<T> {
+    /// Replaces what is estimated by the truth (attitude; gyro bias, Body, rad/s) and keeps the
+    /// covariance: called every cycle in a simulation, it makes of the filter the posterior Cramér–Rao
+    /// bound on these measurements.
+    ///
+    /// Source: Taylor (1979), IEEE Trans. Autom. Control 24, 343–344.
+    pub fn linearise_at(&mut self, r_bi: Rotation<Body, Eci, T>, bias_b: Vector3<T>) {
+        if let Some(tracked) = &mut self.tracked {
+            (tracked.r_bi, tracked.bias_b) = (r_bi, bias_b);
+        }
+    }
+
     fn begin(&mut self, tracked: Tracked<T>) {
         self.believed_bias_b = tracked.bias_b;
         self.tracked = Some(tracked);

@@ -13,7 +13,7 @@ use super::output::Innovation;
 
 /// What one sensor has said of late.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Channel<T> {
+pub(in crate::attitude) struct Channel<T> {
     degrees_of_freedom: T,
     /// Contradictions since the last measurement that was accepted.
     contradictions: u8,
@@ -30,7 +30,7 @@ const INCONSISTENT_RATIO: f64 = 2.0;
 
 impl<T: RealField + Copy> Channel<T> {
     /// A sensor that has said nothing yet.
-    fn new(degrees_of_freedom: f64) -> Self {
+    pub(in crate::attitude) fn new(degrees_of_freedom: f64) -> Self {
         Self {
             degrees_of_freedom: convert(degrees_of_freedom),
             contradictions: 0,
@@ -39,7 +39,7 @@ impl<T: RealField + Copy> Channel<T> {
     }
 
     /// Holds a measurement's `nis` against its `gate`.
-    fn judge(&mut self, nis: T, gate: T) -> Innovation<T> {
+    pub(in crate::attitude) fn judge(&mut self, nis: T, gate: T) -> Innovation<T> {
         let accepted = nis <= gate;
         self.contradictions = if accepted { 0 } else { self.contradictions.saturating_add(1) };
         // One wild value counts as one at the gate, or it would be remembered for hours.
@@ -49,12 +49,12 @@ impl<T: RealField + Copy> Channel<T> {
     }
 
     /// Whether the sensor has contradicted the estimate `limit` times in a row.
-    fn contradicts(&self, limit: u8) -> bool {
+    pub(in crate::attitude) fn contradicts(&self, limit: u8) -> bool {
         self.contradictions >= limit
     }
 
     /// Whether innovations are as large as promised, on average.
-    fn is_consistent(&self) -> bool {
+    pub(in crate::attitude) fn is_consistent(&self) -> bool {
         self.mean_ratio <= convert(INCONSISTENT_RATIO)
     }
 }

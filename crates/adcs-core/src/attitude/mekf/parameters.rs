@@ -122,7 +122,7 @@ impl<T: RealField> Default for Limits<T> {
 
 impl<T: RealField + Copy> FieldNoise<T> {
     /// All parts together, σ of each axis, T.
-    pub(super) fn sigma_t(&self) -> T {
+    pub(in crate::attitude) fn sigma_t(&self) -> T {
         let Self { sensor_t, calibration_t, model_t } = *self;
         (sensor_t * sensor_t + calibration_t * calibration_t + model_t * model_t).sqrt()
     }
@@ -240,7 +240,7 @@ impl Parameter {
 
 impl<T: RealField + Copy> MekfParameters<T> {
     /// Whether every value is within its range.
-    pub(super) fn check(&self) -> Result<(), MekfError> {
+    pub(in crate::attitude) fn check(&self) -> Result<(), MekfError> {
         let FieldNoise { sensor_t, calibration_t, model_t } = self.field_noise;
         let Gates { field_nis, sun_nis, contradictions_in_a_row } = self.gates;
         let Limits { step_s, rate_rad_s, coast_s, coast_acceleration_rad_s2, linear_rad } =

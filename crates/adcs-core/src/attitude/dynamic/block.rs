@@ -1,0 +1,53 @@
+//! The filter's states, three at a time, and which of them fly.
+
+use serde::{Deserialize, Serialize};
+
+/// One triple of states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Block {
+    /// θ: attitude error, Body, rad: A = (I − [θ×]) Â.
+    Attitude,
+    /// ω: rate of Body relative to Eci, Body, rad/s.
+    Rate,
+    /// β: gyro bias, Body, rad/s.
+    Bias,
+    /// M: residual dipole, Body, A·m².
+    Dipole,
+    /// Moments of inertia: what J_xx, J_yy, J_zz differ by from the given tensor, in units of its
+    /// mean moment.
+    Moments,
+    /// Products of inertia: the same of J_xy, J_xz, J_yz.
+    Products,
+    /// T: torque of which nobody knows the cause, Body, in units of [`TORQUE_UNIT_N_M`].
+    Torque,
+}
+
+/// Triples of states.
+pub(crate) const COUNT: usize = 7;
+
+/// Unit of the torque states, N·m, so that they are of order one in the covariance.
+pub(crate) const TORQUE_UNIT_N_M: f64 = 1e-6;
+
+impl Block {
+    /// All, in the order of the covariance.
+    pub(crate) const ALL: [Self; COUNT] = [
+        Self::Attitude,
+        Self::Rate,
+        Self::Bias,
+        Self::Dipole,
+        Self::Moments,
+        Self::Products,
+        Self::Torque,
+    ];
+}
+
+/// Which states fly besides attitude, rate, gyro bias and residual dipole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Blocks {
+    /// The six parameters of the inertia tensor. Without them the given tensor is believed, which a
+    /// tumble of degrees per second forgives by about 1 %.
+    pub inertia: bool,
+    /// A slowly varying torque of unknown cause.
+    pub torque: bool,
+}

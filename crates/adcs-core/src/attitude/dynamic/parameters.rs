@@ -1,0 +1,264 @@
+//! What the dynamics-aided filter is told, beyond what the MEKF is told about the same sensors.
+
+use core::fmt;
+
+use nalgebra::{ComplexField, Matrix3, RealField, convert};
+use serde::{Deserialize, Serialize};
+
+use super::block::Blocks;
+use crate::attitude::mekf::MekfParameters;
+
+/// The filter's tuning as it is stored and uplinked. Sensors are described by [`MekfParameters`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DynamicParameters<T> {
+    /// Noise of the sensors, gates and limits, as the MEKF knows them.
+    pub sensors: MekfParameters<T>,
+    /// Which states fly.
+    pub blocks: Blocks,
+    /// The inertia tensor as well as it is known before flight, Body, kg·m²; entries of the tensor as
+    /// they stand.
+    pub inertia_kg_m2: [[T; 3]; 3],
+    /// σ of each moment of inertia, in units of the mean moment.
+    pub moment_prior: T,
+    /// σ of each product of inertia, in units of the mean moment.
+    pub product_prior: T,
+    /// Residual dipole as well as it is known before flight, Body, A·m².
+    pub dipole_am2: [T; 3],
+    /// σ of the residual dipole before anything is known of it, each axis, A·m².
+    pub dipole_prior_am2: T,
+    /// How the residual dipole walks, each axis, A·m² per √s.
+    pub dipole_walk_am2_per_sqrt_s: T,
+    /// σ of what the residual dipole jumps by when the satellite enters or leaves the shadow, each
+    /// axis, A·m²: panels switch their currents.
+    pub dipole_step_am2: T,
+    /// The torque of unknown cause.
+    pub torque: TorqueNoise<T>,
+}
+
+/// Torque of unknown cause: a first-order Gauss–Markov process whose size the filter finds out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TorqueNoise<T> {
+    /// Smallest σ of each axis that is ever believed, N·m.
+    pub smallest_n_m: T,
+    /// σ of each axis before anything is known, N·m.
+    pub start_n_m: T,
+    /// Largest σ of each axis, N·m.
+    pub largest_n_m: T,
+    /// Correlation time, s.
+    pub correlation_s: T,
+    /// Over how long σ is averaged, s.
+    pub memory_s: T,
+}
+
+impl<T: RealField + Copy> Default for DynamicParameters<T> {
+    /// SPROUT's assumed inertia, 8 % of the moments and 5 % in the products uncertain; a dipole of which
+    /// nothing is known but that it is below 1 A·m².
+    ///
+    /// Torque: drag and solar pressure make 6e-9 to 2.5e-7 N·m of such a satellite (docs/paper), a field
+    /// model that is 60 to 100 nT wrong 3e-8 to 9e-8 N·m with a dipole of 0.4 to 0.9 A·m², both within
+    /// minutes.
+    fn default() -> Self {
+        let value = convert::<f64, T>;
+        Self {
+            sensors: MekfParameters::default(),
+            blocks: Blocks { inertia: true, torque: true },
+            inertia_kg_m2: [
+                [value(0.05184), value(0.00058), value(-0.00077)],
+                [value(0.00058), value(0.05416), value(0.00069)],
+                [value(-0.00077), value(0.00069), value(0.05978)],
+            ],
+            moment_prior: value(0.08),
+            product_prior: value(0.05),
+            dipole_am2: [T::zero(); 3],
+            dipole_prior_am2: value(0.5),
+            dipole_walk_am2_per_sqrt_s: value(1e-5),
+            dipole_step_am2: value(0.006),
+            torque: TorqueNoise {
+                smallest_n_m: value(2e-8),
+                start_n_m: value(8e-8),
+                largest_n_m: value(2e-6),
+                correlation_s: value(300.0),
+                memory_s: value(400.0),
+            },
+        }
+    }
+}
+
+/// Why parameters are refused; what was in force stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum DynamicError {
+    /// A parameter of the sensors.
+    Sensors(crate::attitude::mekf::MekfError),
+    /// The inertia tensor is not symmetric, not positive definite, or not finite.
+    Inertia,
+    /// A number outside its range.
+    OutOfRange {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: f64,
+        /// The smallest that is accepted.
+        from: f64,
+        /// The largest that is accepted.
+        to: f64,
+    },
+}
+
+impl fmt::Display for DynamicError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sensors(error) => write!(f, "{error}"),
+            Self::Inertia => {
+                write!(f, "the inertia tensor must be symmetric and positive definite")
+            }
+            Self::OutOfRange { name, found, from, to } => {
+                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for DynamicError {}
+
+impl<T: RealField + Copy> DynamicParameters<T> {
+    /// Whether the filter can work with this.
+    pub(super) fn check(&self) -> Result<(), DynamicError> {
+        self.sensors.check().map_err(DynamicError::Sensors)?;
+        let tensor = self.inertia();
+        let physical = tensor.iter().all(ComplexField::is_finite)
+            && tensor == tensor.transpose()
+            && tensor.cholesky().is_some();
+        if !physical {
+            return Err(DynamicError::Inertia);
+        }
+        let TorqueNoise { smallest_n_m, start_n_m, largest_n_m, correlation_s, memory_s } =
+            self.torque;
+        let [m_x, m_y, m_z] = self.dipole_am2;
+        let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
+        let (smallest, largest) = (number(smallest_n_m), number(largest_n_m));
+        for (name, found, from, to) in [
+            ("the mean moment of inertia", self.mean_moment(), 1e-6, 1e4),
+            ("the prior of the moments of inertia", self.moment_prior, 0.0, 0.3),
+            ("the prior of the products of inertia", self.product_prior, 0.0, 0.3),
+            ("the residual dipole along x", m_x, -100.0, 100.0),
+            ("the residual dipole along y", m_y, -100.0, 100.0),
+            ("the residual dipole along z", m_z, -100.0, 100.0),
+            ("the prior of the residual dipole", self.dipole_prior_am2, 1e-4, 100.0),
+            ("the walk of the residual dipole", self.dipole_walk_am2_per_sqrt_s, 0.0, 1.0),
+            ("the step of the residual dipole", self.dipole_step_am2, 0.0, 10.0),
+            ("the smallest unknown torque", smallest_n_m, 1e-10, 1e-3),
+            ("the largest unknown torque", largest_n_m, smallest, 1e-3),
+            ("the unknown torque at the start", start_n_m, smallest, largest),
+            ("the unknown torque's correlation time", correlation_s, 1.0, 1e6),
+            ("the memory for the unknown torque", memory_s, 10.0, 1e6),
+        ] {
+            let found: f64 = number(found);
+            if !(from..=to).contains(&found) {
+                return Err(DynamicError::OutOfRange { name, found, from, to });
+            }
+        }
+        Ok(())
+    }
+
+    /// The given tensor.
+    pub(super) fn inertia(&self) -> Matrix3<T> {
+        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.inertia_kg_m2;
+        Matrix3::new(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+    }
+
+    /// A third of the trace: the unit of the parameters of inertia, kg·m².
+    pub(super) fn mean_moment(&self) -> T {
+        self.inertia().trace() / convert(3.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::attitude::mekf::Parameter;
+
+    fn refused(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<DynamicError> {
+        let mut parameters = DynamicParameters::default();
+        change(&mut parameters);
+        parameters.check().err()
+    }
+
+    fn refused_name(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<&'static str> {
+        match refused(change)? {
+            DynamicError::OutOfRange { name, .. } => Some(name),
+            DynamicError::Inertia => Some("inertia"),
+            DynamicError::Sensors(_) => Some("sensors"),
+        }
+    }
+
+    #[test]
+    fn the_default_is_accepted_in_both_precisions() {
+        assert_eq!(DynamicParameters::<f32>::default().check(), Ok(()));
+        assert_eq!(DynamicParameters::<f64>::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn impossible_values_are_refused_by_name() {
+        type Field = fn(&mut DynamicParameters<f32>) -> &mut f32;
+        let fields: [(Field, &str); 13] = [
+            (|p| &mut p.moment_prior, "the prior of the moments of inertia"),
+            (|p| &mut p.product_prior, "the prior of the products of inertia"),
+            (|p| &mut p.dipole_am2[0], "the residual dipole along x"),
+            (|p| &mut p.dipole_am2[1], "the residual dipole along y"),
+            (|p| &mut p.dipole_am2[2], "the residual dipole along z"),
+            (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
+            (|p| &mut p.dipole_walk_am2_per_sqrt_s, "the walk of the residual dipole"),
+            (|p| &mut p.dipole_step_am2, "the step of the residual dipole"),
+            (|p| &mut p.torque.smallest_n_m, "the smallest unknown torque"),
+            (|p| &mut p.torque.start_n_m, "the unknown torque at the start"),
+            (|p| &mut p.torque.largest_n_m, "the largest unknown torque"),
+            (|p| &mut p.torque.correlation_s, "the unknown torque's correlation time"),
+            (|p| &mut p.torque.memory_s, "the memory for the unknown torque"),
+        ];
+        for (field, name) in fields {
+            for bad in [f32::NAN, f32::INFINITY, -1e9] {
+                assert_eq!(refused_name(|p| *field(p) = bad), Some(name), "{bad}");
+            }
+        }
+        // A forgotten factor of 1e6: micronewton metres.
+        let start = refused_name(|p| p.torque.start_n_m = 0.08);
+        assert_eq!(start, Some("the unknown torque at the start"));
+        // No walk, no step and a tensor that is known are possible.
+        assert_eq!(refused(|p| p.dipole_walk_am2_per_sqrt_s = 0.0), None);
+        assert_eq!(refused(|p| p.dipole_step_am2 = 0.0), None);
+        assert_eq!(refused(|p| (p.moment_prior, p.product_prior) = (0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn the_unknown_torque_is_between_its_limits_from_the_start() {
+        let start = refused_name(|p| p.torque.start_n_m = 1e-8);
+        assert_eq!(start, Some("the unknown torque at the start"), "below the smallest");
+        let start = refused_name(|p| p.torque.start_n_m = 3e-6);
+        assert_eq!(start, Some("the unknown torque at the start"), "above the largest");
+        let largest = refused_name(|p| p.torque.largest_n_m = 1e-8);
+        assert_eq!(largest, Some("the largest unknown torque"), "below the smallest");
+    }
+
+    #[test]
+    fn what_is_no_inertia_is_refused() {
+        let inertia = Some(DynamicError::Inertia);
+        assert_eq!(refused(|p| p.inertia_kg_m2[0][1] = 0.001), inertia, "not symmetric");
+        assert_eq!(refused(|p| p.inertia_kg_m2[1][1] = -0.05), inertia);
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(refused(|p| p.inertia_kg_m2[2][2] = bad), inertia);
+        }
+        // Grams and square millimetres.
+        let name = refused_name(|p| p.inertia_kg_m2.iter_mut().flatten().for_each(|j| *j *= 1e9));
+        assert_eq!(name, Some("the mean moment of inertia"));
+    }
+
+    #[test]
+    fn what_the_mekf_refuses_is_refused() {
+        match refused(|p| p.sensors.gyro_noise_rad_s = f32::NAN) {
+            Some(DynamicError::Sensors(error)) => assert_eq!(error.parameter, Parameter::GyroNoise),
+            other => panic!("{other:?}"),
+        }
+    }
+}

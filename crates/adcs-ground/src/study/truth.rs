@@ -1,0 +1,309 @@
+//! The satellite as it is: SPROUT's preset A2 in its orbit, with the sensors of the paper, closed loop.
+//!
+//! | what | value | source |
+//! |---|---|---|
+//! | gyro | 0.163 deg/s each axis at 1 Hz; bias uniform within ±0.4 deg/s, walk 1e-4 deg/s/√s | the paper; independent study (docs/filters) |
+//! | magnetometer | 500 nT each axis, from 0.5 s after the torquers went off | the study |
+//! | Sun | 0.664 deg across the line of sight when lit | the paper |
+//! | torquers | 10 s on, 2.5 s off, ±0.6 A·m² | the paper |
+//! | torques | residual dipole, torquers, gravity gradient, and one that nobody models (Gauss–Markov) | |
+
+use adcs_core::environment::eclipse::{EarthShape, lit_fraction};
+use adcs_core::environment::field::FieldModel;
+use adcs_core::environment::sun::ApparentSun;
+use adcs_core::frames::{Body, Eci, Rotation, Vector};
+use adcs_core::orbit::frame::OrbitFrame;
+use adcs_core::orbit::{OrbitModel, OrbitState};
+use adcs_core::time::{LeapSeconds, Utc};
+use adcs_sim::noise::Gaussian;
+use adcs_sim::rigid_body::{Inertia, Motion as RigidMotion, Stage};
+use adcs_sim::torques::{gravity_gradient, magnetic};
+use anyhow::{Context as _, Result, bail};
+use nalgebra::{UnitQuaternion, Vector3};
+use sgp4_lite::Elements;
+
+use super::scene::{Motion, PointingGains, Scene};
+
+/// SPROUT on 2015-11-19 (CelesTrak).
+const TLE: [&str; 2] = [
+    "1 39770U 14029E   15323.12177538  .00004189  00000-0  50368-3 0  9997",
+    "2 39770  97.8736  57.8959 0010514  58.6984 301.5230 14.84437654 80617",
+];
+/// Its period, s.
+pub const ORBIT_S: f64 = 86_400.0 / 14.844_376_54;
+/// Preset A2 (docs/paper), kg·m².
+pub const INERTIA_KG_M2: [[f64; 3]; 3] =
+    [[0.05184, 0.00058, -0.00077], [0.00058, 0.05416, 0.00069], [-0.00077, 0.00069, 0.05978]];
+/// The paper, section 5.1, A·m².
+const RESIDUAL_DIPOLE_AM2: [f64; 3] = [-0.3211, -0.2094, -0.0201];
+/// Step of the integration and grain of the schedule, s.
+pub const STEP_S: f64 = 0.5;
+/// The sensors speak once a second.
+pub const STEPS_A_SECOND: u32 = 2;
+/// Steps in which the torquers are off and on.
+const OFF_STEPS: u32 = 5;
+const ON_STEPS: u32 = 20;
+const MAX_DIPOLE_AM2: f64 = 0.6;
+/// The paper's gain, A·m²·s/T.
+const B_DOT_GAIN: f64 = 1e5;
+
+/// Noise of one gyro sample, each axis, rad/s.
+pub const GYRO_NOISE_RAD_S: f64 = 0.163 * DEG;
+/// Walk of the gyro bias, each axis, rad/s per √s.
+pub const BIAS_WALK_RAD_S_PER_SQRT_S: f64 = 1e-4 * DEG;
+/// Noise of the magnetometer, each axis, T.
+pub const FIELD_NOISE_T: f64 = 500e-9;
+/// Noise of the Sun's direction across the line of sight, rad.
+pub const SUN_NOISE_RAD: f64 = 0.664 * DEG;
+/// The gyro bias at the start is within this, each axis, rad/s.
+const BIAS_RAD_S: f64 = 0.4 * DEG;
+const DEG: f64 = core::f64::consts::PI / 180.0;
+
+/// The truth and the measurements at one step.
+#[derive(Debug, Clone)]
+pub struct Moment {
+    /// Since the start, s.
+    pub t_s: f64,
+    /// The attitude.
+    pub r_bi: Rotation<Body, Eci, f64>,
+    /// Rate of Body relative to Eci, Body, rad/s.
+    pub omega: Vector3<f64>,
+    /// Gyro bias, Body, rad/s.
+    pub bias: Vector3<f64>,
+    /// Residual dipole, Body, A·m².
+    pub dipole: Vector3<f64>,
+    /// The torque that nobody models, Body, N·m.
+    pub torque: Vector3<f64>,
+    /// Whether the Sun shines on the satellite.
+    pub lit: bool,
+    /// Position, Eci, m.
+    pub position: Vector3<f64>,
+    /// Field, Eci, T.
+    pub field_i: Vector3<f64>,
+    /// Direction to the Sun, Eci.
+    pub sun_i: Vector3<f64>,
+    /// What the torquers carried over the step that ended here, Body, A·m².
+    pub torquers: Vector3<f64>,
+    /// What the gyro shows, once a second, rad/s.
+    pub gyro: Option<Vector3<f64>>,
+    /// What the magnetometer shows, once a second while the torquers rest, T.
+    pub field_b: Option<Vector3<f64>>,
+    /// Where the Sun sensor sees the Sun, once a second when lit.
+    pub sun_b: Option<Vector3<f64>>,
+}
+
+/// A flight in progress.
+#[derive(Debug, Clone)]
+pub struct Truth {
+    scene: Scene,
+    orbit: OrbitModel,
+    field: FieldModel<f64>,
+    start: Utc,
+    step: u32,
+    inertia: Inertia,
+    motion: RigidMotion,
+    bias: Vector3<f64>,
+    torque: Vector3<f64>,
+    jump: Vector3<f64>,
+    torquers: Vector3<f64>,
+    held: Vector3<f64>,
+    noise: Gaussian,
+    disturbance: Gaussian,
+}
+
+impl Truth {
+    /// Flight number `seed` of a scene: somewhere within two days, in sunlight.
+    ///
+    /// # Errors
+    /// When the orbit or the field model ends.
+    pub fn new(scene: Scene, seed: u64) -> Result<Self> {
+        let elements = Elements::from_tle(TLE[0], TLE[1])?;
+        let orbit = OrbitModel::new(&elements)?;
+        let mut noise = Gaussian::new(seed, 101);
+        let start = sunlit_start(&orbit, &mut noise)?;
+        let bias = Vector3::from_fn(|_, _| noise.symmetric()) * BIAS_RAD_S;
+        let (r_bi, omega) = match scene.motion {
+            Motion::Tumble => {
+                let axis = gaussian(&mut noise).normalize();
+                let rate = (5.0 + 4.5 * uniform(&mut noise)) * DEG;
+                let attitude = UnitQuaternion::from_scaled_axis(gaussian(&mut noise) * 2.0);
+                (Rotation::from_hamilton(attitude), axis * rate)
+            }
+            Motion::Nadir(_) => {
+                let state = orbit.state(start)?;
+                let frame = OrbitFrame::of(&state).context("the orbit has no plane")?;
+                // Body along Orbit to some degrees, turning with it.
+                let off = UnitQuaternion::from_scaled_axis(gaussian(&mut noise) * 5.0 * DEG);
+                let r_bi = Rotation::from_hamilton(off * frame.r_oi.hamilton());
+                (r_bi, orbit_rate(&frame, r_bi))
+            }
+        };
+        let signs = gaussian(&mut noise).map(f64::signum);
+        let sigma = scene.torque_n_m;
+        let mut disturbance = Gaussian::new(seed, 102);
+        Ok(Self {
+            scene,
+            orbit,
+            field: FieldModel::new(start)?,
+            start,
+            step: 0,
+            inertia: Inertia::new(INERTIA_KG_M2)?,
+            motion: RigidMotion::new(r_bi, Vector::from_xyz(omega)),
+            bias,
+            torque: gaussian(&mut disturbance) * sigma,
+            jump: signs * scene.dipole_jump_am2,
+            torquers: Vector3::zeros(),
+            held: Vector3::zeros(),
+            noise,
+            disturbance,
+        })
+    }
+
+    /// What is now and what is measured now; then the next step is flown.
+    ///
+    /// # Errors
+    /// When the orbit or the field model ends.
+    pub fn next(&mut self) -> Result<Moment> {
+        let t_s = f64::from(self.step) * STEP_S;
+        let now = self.at(t_s);
+        let state = self.orbit.state(now)?;
+        let position = state.position;
+        let field_i = self.field.eci_t(now, position)?;
+        let sun = sun_position(now)?;
+        let lit = lit_fraction(position, sun, EarthShape::Ellipsoid) > 0.5;
+        let sun_i = (sun - position).xyz.normalize();
+        let r_bi = self.motion.r_bi();
+        let omega = self.motion.omega_bi.xyz;
+        let field_b = (r_bi * field_i).xyz;
+        let dipole =
+            Vector3::from(RESIDUAL_DIPOLE_AM2) + if lit { Vector3::zeros() } else { self.jump };
+
+        // One draw each a step, wanted or not, so that scenes of one seed share their noise.
+        let gyro = omega + self.bias + gaussian(&mut self.noise) * GYRO_NOISE_RAD_S;
+        let measured = field_b + gaussian(&mut self.noise) * FIELD_NOISE_T;
+        let sun_b = blurred((r_bi * Vector::from_xyz(sun_i)).xyz, &mut self.noise);
+
+        let in_round = self.step % (OFF_STEPS + ON_STEPS);
+        // From 0.5 s after the torquers went off to the moment before they go on.
+        let settled = (1..=OFF_STEPS).contains(&in_round);
+        let full_second = self.step.is_multiple_of(STEPS_A_SECOND);
+        let moment = Moment {
+            t_s,
+            r_bi,
+            omega,
+            bias: self.bias,
+            dipole,
+            torque: self.torque,
+            lit,
+            position: position.xyz,
+            field_i: field_i.xyz,
+            sun_i,
+            torquers: self.torquers,
+            gyro: full_second.then_some(gyro),
+            field_b: (full_second && settled).then_some(measured),
+            sun_b: (full_second && lit).then_some(sun_b),
+        };
+
+        if in_round == OFF_STEPS {
+            self.held = match self.scene.motion {
+                Motion::Tumble => gyro.cross(&measured) * B_DOT_GAIN,
+                Motion::Nadir(gains) => self.pointing(gains, &state, r_bi, omega, field_b, dipole),
+            }
+            .map(|m| m.clamp(-MAX_DIPOLE_AM2, MAX_DIPOLE_AM2));
+        }
+        self.torquers = if in_round >= OFF_STEPS { self.held } else { Vector3::zeros() };
+        self.fly(t_s, dipole)?;
+        self.step += 1;
+        Ok(moment)
+    }
+
+    /// The law of the nadir scene, on the truth: cross-product law, residual dipole fed forward.
+    fn pointing(
+        &self,
+        gains: PointingGains,
+        state: &OrbitState,
+        r_bi: Rotation<Body, Eci, f64>,
+        omega: Vector3<f64>,
+        field_b: Vector3<f64>,
+        dipole: Vector3<f64>,
+    ) -> Vector3<f64> {
+        let Some(frame) = OrbitFrame::of(state) else { return Vector3::zeros() };
+        let error = (r_bi * frame.r_oi.inverse()).hamilton();
+        // q_bo = (1, −θ/2): θ is how far Body is turned from Orbit.
+        let theta = error.imag() * (-2.0 * error.w.signum());
+        let rate_error = omega - orbit_rate(&frame, r_bi);
+        let wanted = -(theta * gains.stiffness + rate_error * gains.damping);
+        let duty = f64::from(ON_STEPS) / f64::from(OFF_STEPS + ON_STEPS);
+        (field_b.cross(&wanted) / field_b.norm_squared() - dipole) / duty
+    }
+
+    fn fly(&mut self, t_s: f64, dipole: Vector3<f64>) -> Result<()> {
+        let mut around = [Vector::<Eci, f64>::zero(); 3];
+        let mut position = Vector::<Eci, f64>::zero();
+        for (field, share) in around.iter_mut().zip([0.0, 0.5, 1.0]) {
+            let at = self.at(t_s + share * STEP_S);
+            position = self.orbit.state(at)?.position;
+            *field = self.field.eci_t(at, position)?;
+        }
+        let [start, middle, end] = around;
+        let total = Vector::<Body, f64>::from_xyz(dipole + self.torquers);
+        let unmodelled = Vector::from_xyz(self.torque);
+        let inertia = self.inertia;
+        self.motion = self.motion.stepped(&inertia, STEP_S, |stage, motion| {
+            let field = match stage {
+                Stage::Start => start,
+                Stage::Middle => middle,
+                Stage::End => end,
+            };
+            let r_bi = motion.r_bi();
+            magnetic::torque(total, r_bi * field)
+                + gravity_gradient::torque(&inertia, r_bi * position)
+                + unmodelled
+        });
+        let walk = BIAS_WALK_RAD_S_PER_SQRT_S * STEP_S.sqrt();
+        self.bias += gaussian(&mut self.disturbance) * walk;
+        let decay = (-STEP_S / self.scene.correlation_s).exp();
+        let push = self.scene.torque_n_m * (1.0 - decay * decay).sqrt();
+        self.torque = self.torque * decay + gaussian(&mut self.disturbance) * push;
+        Ok(())
+    }
+
+    fn at(&self, t_s: f64) -> Utc {
+        self.start.plus_micros((t_s * 1e6).round() as i64)
+    }
+}
+
+/// The rate of the Orbit frame, Body, rad/s.
+fn orbit_rate(frame: &OrbitFrame, r_bi: Rotation<Body, Eci, f64>) -> Vector3<f64> {
+    (r_bi * (frame.r_oi.inverse() * frame.omega_oi)).xyz
+}
+
+fn sun_position(now: Utc) -> Result<Vector<Eci, f64>> {
+    Ok(ApparentSun::at(now.to_tt(&LeapSeconds::BUILT_IN)?).position_eci_m())
+}
+
+fn sunlit_start(orbit: &OrbitModel, noise: &mut Gaussian) -> Result<Utc> {
+    for _ in 0..1000 {
+        let start = orbit.epoch().plus_micros((uniform(noise) * 2.0 * 86_400e6) as i64);
+        let position = orbit.state(start)?.position;
+        if lit_fraction(position, sun_position(start)?, EarthShape::Ellipsoid) > 0.5 {
+            return Ok(start);
+        }
+    }
+    bail!("the orbit has no sunlight")
+}
+
+fn gaussian(noise: &mut Gaussian) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| noise.sample())
+}
+
+/// Uniform within 0 to 1.
+fn uniform(noise: &mut Gaussian) -> f64 {
+    0.5 * (1.0 + noise.symmetric())
+}
+
+/// A direction with the Sun sensor's noise across it.
+fn blurred(direction: Vector3<f64>, noise: &mut Gaussian) -> Vector3<f64> {
+    let off = gaussian(noise) * SUN_NOISE_RAD;
+    (direction + off - direction * direction.dot(&off)).normalize()
+}

@@ -3,18 +3,27 @@
 
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::reading::{MissingReason, Reading};
+use adcs_core::sensing::FaceVerdict;
 use adcs_link::TruthRecord;
-use adcs_sim::scenario::Scenario;
+use adcs_sim::scenario::{Scenario, SunFaceFault};
 use adcs_tests::{Flight, fly, mission};
 
 /// No honest error exceeds so many σ about both axes together.
 const GROSS: f64 = 6.5;
 
 /// An orbit of SPROUT with its torquers acting, from day through night into day.
-fn an_orbit() -> Flight {
-    let mut scenario: Scenario = mission("sprout/despin-calibrated").scenario;
+fn an_orbit() -> Scenario {
+    let mut scenario = mission("sprout/despin-calibrated").scenario;
     scenario.flight.cycle_us = 2_500_000;
     scenario.cycles = 2_400;
+    scenario
+}
+
+/// The same with a broken face +y.
+fn an_orbit_with(fault: SunFaceFault) -> Flight {
+    let mut scenario = an_orbit();
+    let sensors = scenario.world.sun_sensors.as_mut().expect("SPROUT has Sun sensors");
+    sensors.faces[2].fault = Some(fault);
     fly(&scenario)
 }
 
@@ -27,7 +36,7 @@ fn sun_in_body(truth: &TruthRecord) -> Vector<Body, f64> {
 
 #[test]
 fn the_sun_is_seen_all_day_and_never_at_night() {
-    let flight = an_orbit();
+    let flight = fly(&an_orbit());
     let (mut day, mut night, mut squares) = (0_u32, 0_u32, 0.0);
     for (truth, record) in flight.truth.iter().zip(&flight.records) {
         // The model on board is that of the truth, but for the interpolated orbit.
@@ -63,11 +72,37 @@ fn the_sun_is_seen_all_day_and_never_at_night() {
 fn the_sun_of_the_flight_software_is_the_true_one() {
     /// Of f32 components, and the parallax of an orbit that is metres off.
     const TOLERANCE: f64 = 2e-7;
-    let flight = an_orbit();
+    let flight = fly(&an_orbit());
     for (truth, record) in flight.truth.iter().zip(&flight.records) {
         let model = record.reference_sun_eci.expect("after 1972").map(f64::from);
         for (model, truth) in model.into_iter().zip(truth.sun_eci) {
             assert!((model - truth).abs() < TOLERANCE, "{model} {truth}");
         }
     }
+}
+
+#[test]
+fn a_dark_face_costs_its_part_of_the_day() {
+    let flight = an_orbit_with(SunFaceFault::Dark);
+    let day = || flight.records.iter().filter(|record| record.sunlit == Some(1.0));
+    let seen = day().filter(|record| record.sun.value().is_some()).count();
+    println!("{seen} of {} sunlit cycles", day().count());
+    // Of a tumbling satellite's sphere one face alone sees an eighth.
+    assert!(seen * 10 > day().count() * 8 && seen < day().count());
+    assert!(day().all(|record| record.sun_faces[2] != FaceVerdict::Used));
+}
+
+#[test]
+fn a_stuck_face_is_contradicted_by_day_and_betrays_itself_at_night() {
+    let flight = an_orbit_with(SunFaceFault::Stuck);
+    let disagrees = |sunlit| {
+        let record = flight.records.iter().filter(move |record| record.sunlit == Some(sunlit));
+        let disagree = record.clone().filter(|record| record.sun.missing().is_some()).count();
+        (disagree, record.count())
+    };
+    let (by_day, day) = disagrees(1.0);
+    assert!(2 * by_day > day, "{by_day} of {day}");
+    // At night it alone shows a Sun, where the record says that there can be none.
+    let (at_night, night) = disagrees(0.0);
+    assert!(at_night == 0 && night > 700, "{at_night} of {night}");
 }

@@ -10,7 +10,7 @@ use adcs_core::time::Utc;
 
 use crate::board::{Board, Samples, TorquerFault};
 
-/// One axis of one sensor.
+/// One axis of one sensor, or one Sun sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorAxis {
     /// Gyro 0, 1 or 2.

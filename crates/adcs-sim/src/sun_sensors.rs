@@ -181,3 +181,83 @@ fn turned(u: &Vector3<f64>, angles_rad: [f64; 2]) -> Vector3<f64> {
     let across = across / norm;
     (u + across * first + u.cross(&across) * second).normalize()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adcs_core::sensing::SunFacesParameters;
+
+    const FULL_SUN_A: f64 = 80e-6;
+    /// f32 parameters in f64, relative.
+    const ROUNDING: f64 = 1e-6;
+
+    fn sensors(truth: &SunSensorsTruth) -> SunSensors {
+        SunSensors::new(truth, Gaussian::new(1, 1), Gaussian::new(1, 2)).unwrap()
+    }
+
+    /// Face +z with the Sun `off_axis_deg` towards +x, far from a black Earth.
+    fn face_z(sensors: &mut SunSensors, off_axis_deg: f64, au: f64, lit: f64) -> [f64; 4] {
+        let (sin, cos) = libm::sincos(off_axis_deg.to_radians());
+        let to_sun = Vector::new(sin, 0.0, cos) * (ASTRONOMICAL_UNIT_M * au);
+        sensors.expose(Rotation::identity(), &Sunlight { to_sun, lit }, Vector::new(7e6, 0.0, 0.0));
+        [0, 1, 2, 3].map(|electrode| sensors.shown(4, electrode))
+    }
+
+    fn perfect() -> SunSensorsTruth {
+        SunSensorsTruth::perfect(&SunFacesParameters::SPROUT)
+    }
+
+    #[test]
+    fn the_current_falls_with_the_cosine_and_ends_at_the_rim() {
+        let mut sensors = sensors(&perfect());
+        for (off_axis_deg, expected) in [(0.0, 1.0), (30.0, 0.866_025), (54.99, 0.573_720)] {
+            let [x_1, x_2, y_1, y_2] = face_z(&mut sensors, off_axis_deg, 1.0, 1.0);
+            assert!(((x_1 + x_2) / FULL_SUN_A - expected).abs() < 10.0 * ROUNDING);
+            assert!(((y_1 + y_2) / FULL_SUN_A - expected).abs() < 10.0 * ROUNDING && y_1 == y_2);
+        }
+        for off_axis_deg in [55.01, 90.0, 180.0] {
+            assert_eq!(face_z(&mut sensors, off_axis_deg, 1.0, 1.0), [0.0; 4]);
+        }
+    }
+
+    #[test]
+    fn a_sun_towards_x_lights_the_electrode_on_the_other_side() {
+        let [x_1, x_2, ..] = face_z(&mut sensors(&perfect()), 45.0, 1.0, 1.0);
+        // The spot is 3.4 of 5 mm off the middle.
+        assert!(((x_1 - x_2) / (x_1 + x_2) - 0.68).abs() < 10.0 * ROUNDING);
+    }
+
+    #[test]
+    fn distance_and_shadow_take_their_part() {
+        let mut sensors = sensors(&perfect());
+        let total = |[x_1, x_2, ..]: [f64; 4]| (x_1 + x_2) / FULL_SUN_A;
+        let far = total(face_z(&mut sensors, 0.0, 2.0, 1.0));
+        assert!((far - 0.25).abs() < ROUNDING);
+        assert!((total(face_z(&mut sensors, 0.0, 1.0, 0.3)) - 0.3).abs() < ROUNDING);
+        assert_eq!(face_z(&mut sensors, 0.0, 1.0, 0.0), [0.0; 4]);
+    }
+
+    #[test]
+    fn faults_show_nothing_or_always_the_same_and_exact_readings_have_none() {
+        let mut truth = perfect();
+        truth.faces[4].fault = Some(SunFaceFault::Dark);
+        let mut dark = sensors(&truth);
+        assert_eq!(face_z(&mut dark, 20.0, 1.0, 1.0), [0.0; 4]);
+        assert!(dark.exact()[4].iter().all(|current_a| *current_a > 0.0));
+        truth.faces[4].fault = Some(SunFaceFault::Stuck);
+        let mut stuck = sensors(&truth);
+        let shown = face_z(&mut stuck, 20.0, 1.0, 0.0);
+        assert!(shown.iter().all(|current_a| (current_a / FULL_SUN_A - 0.5).abs() < ROUNDING));
+    }
+
+    #[test]
+    fn noise_of_the_direction_moves_the_spot_and_keeps_the_light() {
+        let mut noisy = sensors(&SunSensorsTruth { noise_rad: 0.02, ..perfect() });
+        let mut still = sensors(&perfect());
+        let (moved, rest) =
+            (face_z(&mut noisy, 20.0, 1.0, 1.0), face_z(&mut still, 20.0, 1.0, 1.0));
+        assert_ne!(moved, rest);
+        assert!((moved[0] + moved[1] - rest[0] - rest[1]).abs() < ROUNDING * FULL_SUN_A);
+        assert_eq!(noisy.exact(), still.exact());
+    }
+}

@@ -12,9 +12,7 @@ use crate::determination::{Sensed, StageState};
 use crate::environment::field::FieldModel;
 use crate::environment::sun_track::{SunNodes, SunTrack};
 use crate::environment::sunlight::Sunlight;
-use crate::frames::{
-    Body, Direction, Eci, GyroAxes, MagnetometerAxes, TorquerAxes, Vector,
-};
+use crate::frames::{Body, Direction, Eci, GyroAxes, MagnetometerAxes, TorquerAxes, Vector};
 use crate::orbit::OrbitState;
 use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
 use crate::reading::{MissingReason, Reading};

@@ -67,7 +67,10 @@ impl fmt::Display for ScheduleError {
                 )
             }
             Self::NeverSettles { settle_us, off_us } => {
-                write!(f, "the field would settle after {settle_us} µs, but the rest ends after {off_us} µs")
+                write!(
+                    f,
+                    "the field would settle after {settle_us} µs, but the rest ends after {off_us} µs"
+                )
             }
             Self::NotWholeCycles { found_us, cycle_us } => {
                 write!(f, "{found_us} µs is not a whole number of cycles of {cycle_us} µs")
@@ -145,7 +148,8 @@ mod tests {
     const HALF_SECOND_US: u32 = 500_000;
 
     fn paper() -> Schedule {
-        let parameters = ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 2_500_000 };
+        let parameters =
+            ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 2_500_000 };
         Schedule::new(&parameters, HALF_SECOND_US).unwrap()
     }
 

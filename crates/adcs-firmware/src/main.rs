@@ -35,6 +35,6 @@ fn main() {
         pins::PHASE,
         pins::AWAKE
     );
-    println!("Parameters after power-on: {:#?}", parameters::FLIGHT);
+    println!("Parameters after power-on: {:#?}", parameters::flight());
     println!("Epitaph: {} bytes, message up to {}", epitaph::REGION_BYTES, epitaph::MESSAGE_BYTES);
 }

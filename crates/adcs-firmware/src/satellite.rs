@@ -21,11 +21,17 @@ const CYCLES_PER_REPORT: u32 = 120;
 pub fn fly(mut boot: Boot) -> ! {
     ticks::start(&mut boot.core.SYST, boot.clock.core_hz());
     let parts = peripherals::take(&boot.chip, boot.clock, SincePowerOn::default());
-    let board = DriverBoard::new(parameters::BOARD, parts).expect("the board as wired");
-    let mut app = FlightApp::new(board, &parameters::FLIGHT).expect("the built-in parameters");
+    // No `expect`: printing the refused value would link 20 KB of number formatting.
+    let Ok(board) = DriverBoard::new(parameters::BOARD, parts) else {
+        panic!("the board as wired is refused")
+    };
+    let parameters = parameters::flight();
+    let Ok(mut app) = FlightApp::new(board, &parameters) else {
+        panic!("the built-in parameters are refused")
+    };
     watchdog::start(&boot.chip.IWDG);
 
-    let period_ms = parameters::FLIGHT.cycle_us / 1_000;
+    let period_ms = parameters.cycle_us / 1_000;
     let mut due_ms = ticks::milliseconds();
     let mut cycle = 0_u32;
     loop {

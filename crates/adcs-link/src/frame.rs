@@ -87,7 +87,8 @@ pub fn digest(message: &Message, digest: &mut Digest) -> Result<(), FrameError> 
 mod tests {
     use super::*;
     use crate::message::{
-        AttitudeRecord, CycleRecord, DeterminationRecord, End, Hello, RateRecord, SunRecord, VERSION,
+        AttitudeRecord, CycleRecord, DeterminationRecord, End, Hello, RateRecord, SunRecord,
+        VERSION,
     };
     use adcs_core::attitude::mekf::Lost;
     use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};

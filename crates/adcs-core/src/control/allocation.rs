@@ -99,7 +99,8 @@ impl Allocation {
         }
         let limit = self.max_dipole_am2;
         Command {
-            dipole: Vector::from_xyz(along.xyz.map(|m| m.clamp(-limit, limit))),
+            // Not `clamp`, which panics, and prints, should the limit ever be NaN.
+            dipole: Vector::from_xyz(along.xyz.map(|m| m.max(-limit).min(limit))),
             saturated: along.to_array().map(|m| m.abs() >= limit),
         }
     }

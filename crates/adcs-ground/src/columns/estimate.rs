@@ -5,7 +5,7 @@ use adcs_core::attitude::mekf::{FieldPair, Innovation, Inputs, Source, SunPair};
 use adcs_core::attitude::selection::{AttitudeSource, Determination, Estimator, EstimatorState};
 use adcs_core::frames::Vector;
 use adcs_core::reading::{MissingReason, Reading};
-use nalgebra::convert;
+use nalgebra::{ComplexField, convert};
 
 use super::attitude::Precision;
 use crate::table::{Cells, Column, Failure, Header, Problem, Row, RowCommand};
@@ -134,7 +134,11 @@ impl<T: Precision> Estimate<T> {
                 eci: vector(eci.map(|nt| nt * T_PER_NT)),
             }),
             sun: sun.and_then(|(body, eci)| {
-                Some(SunPair { body: vector(body).direction()?, eci: vector(eci).direction()?, sigma_rad: None })
+                Some(SunPair {
+                    body: vector(body).direction()?,
+                    eci: vector(eci).direction()?,
+                    sigma_rad: None,
+                })
             }),
         };
         let torquers = match self.torquers {
@@ -209,7 +213,7 @@ impl<T: Precision> Chosen<T> {
         let Determination { attitude, mekf, dynamic, .. } = determination;
         let is_dynamic = attitude.is_some_and(|it| it.source == AttitudeSource::Dynamic);
         if let Some(estimate) = dynamic.estimate.as_ref().filter(|_| is_dynamic) {
-            let sigma = estimate.attitude_covariance.diagonal().map(|it| it.sqrt());
+            let sigma = estimate.attitude_covariance.diagonal().map(ComplexField::sqrt);
             return Self {
                 numbers: Some((
                     estimate.r_bi.attitude_quaternion(),

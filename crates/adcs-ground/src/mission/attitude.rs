@@ -25,8 +25,7 @@ pub(super) fn attitude(
     let MekfParameters { field_noise, .. } = usual.sensors;
     let deg = f64::to_degrees;
 
-    let flies =
-        section.choice("filter", &[("mekf", Flies::Mekf), ("dynamic", Flies::Both)]);
+    let flies = section.choice("filter", &[("mekf", Flies::Mekf), ("dynamic", Flies::Both)]);
     let gyro_noise =
         section.number_or("gyro_noise_deg_s", POSITIVE, deg(usual.sensors.gyro_noise_rad_s));
     let bias_walk = section.number_or(

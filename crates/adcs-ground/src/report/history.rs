@@ -6,8 +6,8 @@ use adcs_core::reading::Reading;
 use anyhow::{Context as _, Result};
 
 use super::rows::{
-    Believed, Row, attitude_word, control_words, face_word, missing_word, norm, phase_word, rate_word,
-    reason_word,
+    Believed, Row, attitude_word, control_words, face_word, missing_word, norm, phase_word,
+    rate_word, reason_word,
 };
 
 const HEADER: &[&str] = &[

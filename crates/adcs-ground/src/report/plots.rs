@@ -149,9 +149,13 @@ fn attitude_errors(rows: &[Row]) -> Chart {
         }
     };
     let all = vec![
-        series(Some("3 σ as promised"), colour::pale(colour::BLACK), Style::Line(1.2), rows, |row| {
-            Some(3.0 * row.believed?.attitude_sigma_deg?)
-        }),
+        series(
+            Some("3 σ as promised"),
+            colour::pale(colour::BLACK),
+            Style::Line(1.2),
+            rows,
+            |row| Some(3.0 * row.believed?.attitude_sigma_deg?),
+        ),
         series(
             Some("two vectors"),
             colour::BLACK,
@@ -169,11 +173,7 @@ fn attitude_errors(rows: &[Row]) -> Chart {
         ),
     ];
     let title = "Angle between the believed and the true attitude";
-    Chart {
-        bands: eclipses(rows),
-        band_label: "eclipse",
-        ..chart(title, "error, deg", rows, all)
-    }
+    Chart { bands: eclipses(rows), band_label: "eclipse", ..chart(title, "error, deg", rows, all) }
 }
 
 /// When the Sun was out of sight.

@@ -64,7 +64,7 @@ pub fn fly(scene: &Scene, seed: u64) -> Result<Flight> {
     let mut flight = Flight::default();
     let steps = (scene.orbits * ORBIT_S / STEP_S).round() as u32;
     for _ in 0..steps {
-        let moment = truth.next()?;
+        let moment = truth.step()?;
         let found = filters.cycle(&moment);
         let bound = bounds.cycle(&moment);
         bounds.linearise_at(&moment, &told_the_truth);
@@ -260,7 +260,11 @@ fn sensors<T: RealField + Copy>(moment: &Moment, dt_s: f64) -> mekf::Inputs<T> {
     let field =
         moment.field_b.map(|body| FieldPair { body: vector(body), eci: vector(moment.field_i) });
     let sun = moment.sun_b.and_then(|body| {
-        Some(SunPair { body: vector(body).direction()?, eci: vector(moment.sun_i).direction()?, sigma_rad: None })
+        Some(SunPair {
+            body: vector(body).direction()?,
+            eci: vector(moment.sun_i).direction()?,
+            sigma_rad: None,
+        })
     });
     mekf::Inputs { dt_s: convert(dt_s), gyro, field, sun }
 }

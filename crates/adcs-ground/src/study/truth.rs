@@ -99,7 +99,7 @@ pub struct Truth {
     orbit: OrbitModel,
     field: FieldModel<f64>,
     start: Utc,
-    step: u32,
+    steps: u32,
     inertia: Inertia,
     motion: RigidMotion,
     bias: Vector3<f64>,
@@ -146,7 +146,7 @@ impl Truth {
             orbit,
             field: FieldModel::new(start)?,
             start,
-            step: 0,
+            steps: 0,
             inertia: Inertia::new(INERTIA_KG_M2)?,
             motion: RigidMotion::new(r_bi, Vector::from_xyz(omega)),
             bias,
@@ -163,8 +163,8 @@ impl Truth {
     ///
     /// # Errors
     /// When the orbit or the field model ends.
-    pub fn next(&mut self) -> Result<Moment> {
-        let t_s = f64::from(self.step) * STEP_S;
+    pub fn step(&mut self) -> Result<Moment> {
+        let t_s = f64::from(self.steps) * STEP_S;
         let now = self.at(t_s);
         let state = self.orbit.state(now)?;
         let position = state.position;
@@ -183,10 +183,10 @@ impl Truth {
         let measured = field_b + gaussian(&mut self.noise) * FIELD_NOISE_T;
         let sun_b = blurred((r_bi * Vector::from_xyz(sun_i)).xyz, &mut self.noise);
 
-        let in_round = self.step % (OFF_STEPS + ON_STEPS);
+        let in_round = self.steps % (OFF_STEPS + ON_STEPS);
         // From 0.5 s after the torquers went off to the moment before they go on.
         let settled = (1..=OFF_STEPS).contains(&in_round);
-        let full_second = self.step.is_multiple_of(STEPS_A_SECOND);
+        let full_second = self.steps.is_multiple_of(STEPS_A_SECOND);
         let moment = Moment {
             t_s,
             r_bi,
@@ -213,7 +213,7 @@ impl Truth {
         }
         self.torquers = if in_round >= OFF_STEPS { self.held } else { Vector3::zeros() };
         self.fly(t_s, dipole)?;
-        self.step += 1;
+        self.steps += 1;
         Ok(moment)
     }
 

@@ -43,7 +43,8 @@ impl<T: RealField + Copy> TorqueSize<T> {
         let unit: T = convert(TORQUE_UNIT_N_M);
         let square = |sigma: T| (sigma / unit) * (sigma / unit);
         self.variance = (self.variance + (seen - self.variance) * share)
-            .clamp(square(parameters.smallest_n_m), square(parameters.largest_n_m));
+            .min(square(parameters.largest_n_m))
+            .max(square(parameters.smallest_n_m));
     }
 }
 

@@ -2,6 +2,8 @@
 
 use adcs_app::{FlightParameters, LawParameters};
 use adcs_core::{
+    attitude::dynamic::DynamicParameters,
+    attitude::selection::{EstimatorParameters, Flies},
     control::{allocation::TorquerParameters, b_dot::BDotGain},
     schedule::ScheduleParameters,
     sensing::{SunFacesParameters, TriadParameters},
@@ -36,12 +38,19 @@ pub fn despin(readings: Readings) -> Scenario {
         version: VERSION,
         flight: FlightParameters {
             cycle_us: 500_000,
-            schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
+            schedule: ScheduleParameters {
+                on_us: 10_000_000,
+                off_us: 2_500_000,
+                settle_us: 500_000,
+            },
             law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
             gyro: TriadParameters::default(),
             magnetometer: TriadParameters::default(),
             sun_sensors: Some(SunFacesParameters::SPROUT),
-            attitude: None,
+            attitude: Some(EstimatorParameters {
+                dynamics: DynamicParameters::default(),
+                flies: Flies::Both,
+            }),
             torquers,
             elements: Some(elements),
         },

@@ -6,7 +6,9 @@ use adcs_app::FlightApp;
 use adcs_core::{
     attitude::{
         Method, Observation,
-        mekf::{FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
+        dynamic::{DynamicFilter, DynamicInputs, DynamicParameters},
+        mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
+        selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
     control::b_dot::{BDot, BDotGain},
     environment::{
@@ -16,7 +18,7 @@ use adcs_core::{
     },
     frames::Vector,
     orbit::OrbitModel,
-    reading::Reading,
+    reading::{MissingReason, Reading},
     sensing::{Expected, SunFaces, SunFacesParameters},
     time::{LeapSeconds, gmst82_rad},
 };
@@ -43,7 +45,8 @@ pub fn run(counter: &Counter) {
     models(counter);
     sun(counter);
     attitude(counter);
-    mekf(counter);
+    kinematic(counter);
+    dynamic(counter);
     cycle(counter, &despin(Readings::Exact));
     cycle_with_chips(counter, &despin(Readings::Drivers));
 }
@@ -116,7 +119,7 @@ fn attitude(counter: &Counter) {
 
 /// The filter's parts, and a whole cycle of it, half a second after it started from the same Sun and
 /// field.
-fn mekf(counter: &Counter) {
+fn kinematic(counter: &Counter) {
     let mekf = Mekf::<f32>::new(&MekfParameters::default()).expect("accepted");
     let field = FieldPair {
         body: Vector::new(0.37e-5, -3.4e-5, -0.84e-5),
@@ -125,6 +128,7 @@ fn mekf(counter: &Counter) {
     let sun = SunPair {
         body: Vector::new(0.164, 0.976, -0.144).direction().expect("not zero"),
         eci: Vector::new(-0.441, 0.822, 0.361).direction().expect("not zero"),
+        sigma_rad: None,
     };
     let gyro = Reading::Fresh(Vector::new(0.06, 0.03, 0.14));
     let inputs = Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) };
@@ -148,6 +152,61 @@ fn mekf(counter: &Counter) {
     });
     stage.count("mekf_cycle", state(), |mut state| {
         let outcome = mekf.cycle(&mut state, &inputs);
+        (state, outcome)
+    });
+}
+
+/// The dynamics-aided filter with all its states, a second after it was started: a step of half a second
+/// without measurements, each measurement without a step, everything at once, and both filters with the
+/// selection between them.
+fn dynamic(counter: &Counter) {
+    let parameters =
+        EstimatorParameters::<f32> { dynamics: DynamicParameters::default(), flies: Flies::Both };
+    let estimator = Estimator::new(&parameters).expect("accepted");
+    let filter = DynamicFilter::new(&parameters.dynamics).expect("accepted");
+    let silent =
+        Inputs { dt_s: 0.0, gyro: Reading::Missing(MissingReason::Bus), field: None, sun: None };
+    let gyro = Reading::Fresh(Vector::new(0.06, 0.03, 0.14));
+    let field = FieldPair {
+        body: Vector::new(0.37e-5, -3.4e-5, -0.84e-5),
+        eci: Vector::new(2.76e-5, -2.0e-5, -0.8e-5),
+    };
+    let sun = SunPair {
+        body: Vector::new(0.164, 0.976, -0.144).direction().expect("not zero"),
+        eci: Vector::new(-0.441, 0.822, 0.361).direction().expect("not zero"),
+        sigma_rad: None,
+    };
+    let around = |sensors: Inputs| DynamicInputs {
+        sensors,
+        reference_field: Some(field.eci),
+        position: Some(Vector::new(6.9e6, 1e6, 5e5)),
+        torquer_dipole: Vector::new(0.1, -0.2, 0.05),
+        sunlit: Some(true),
+    };
+    let all = around(Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) });
+    let started = || {
+        let mut state = EstimatorState::default();
+        for _ in 0..3 {
+            estimator.cycle(&mut state, &all);
+        }
+        state
+    };
+    let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+    let stage = Stage { counter };
+    for (name, sensors) in [
+        ("dynamic_predict", Inputs { dt_s: 0.5, ..silent }),
+        ("dynamic_update_gyro", Inputs { gyro, ..silent }),
+        ("dynamic_update_field", Inputs { field: Some(field), ..silent }),
+        ("dynamic_update_sun", Inputs { sun: Some(sun), ..silent }),
+        ("dynamic_cycle", all.sensors),
+    ] {
+        stage.count(name, (started(), around(sensors)), |(mut state, inputs)| {
+            let outcome = filter.cycle(&mut state.dynamic, &inputs, &nothing);
+            (state, outcome)
+        });
+    }
+    stage.count("estimator_cycle", started(), |mut state| {
+        let outcome = estimator.cycle(&mut state, &all);
         (state, outcome)
     });
 }

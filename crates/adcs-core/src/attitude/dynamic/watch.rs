@@ -3,8 +3,8 @@
 //! | sign | what it means | what follows |
 //! |---|---|---|
 //! | a measurement above its gate | it, or the estimate, is wrong | not used |
-//! | several in a row that the MEKF accepts and this filter does not | this filter is wrong | starts again from the MEKF |
-//! | gyro alone above its gate | the gyro is wrong: field and Sun bear the dynamics out | goes on without it |
+//! | several in a row of one sensor that the MEKF accepts and this filter does not | this filter is wrong | starts again from the MEKF |
+//! | gyro alone above its gate | the gyro is wrong: field and Sun bear the dynamics out | goes on without it; the MEKF, which the gyro carries, is no judge meanwhile |
 //! | attitude contradicts the MEKF's, χ² of the difference | one of both is wrong | not trusted; after [`PATIENCE_S`] starts again |
 //! | mean NIS too large | noise, or torque, is larger than believed | not trusted, until the torque's σ has grown |
 //!
@@ -37,6 +37,17 @@ fn difference<T: RealField + Copy>(tracked: &Tracked<T>, kinematic: &FilterEstim
     chi2.unwrap_or_else(|| T::max_value().unwrap_or_else(T::one))
 }
 
+/// Counts what this filter (`here`) refuses and the MEKF (`there`) accepts, of one sensor.
+fn compare<T>(alone: &mut u8, here: Option<Innovation<T>>, there: Option<Innovation<T>>) {
+    if let (Some(here), Some(there)) = (here, there) {
+        *alone = match (here.accepted, there.accepted) {
+            (true, _) => 0,
+            (false, true) => alone.saturating_add(1),
+            (false, false) => *alone,
+        };
+    }
+}
+
 /// What this filter made of the measurements of one cycle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen<T> {
@@ -51,8 +62,10 @@ pub(super) struct Watch<T> {
     gyro: Channel<T>,
     field: Channel<T>,
     sun: Channel<T>,
-    /// Measurements in a row that the MEKF accepted and this filter did not.
-    alone: u8,
+    /// Fields in a row that the MEKF accepted and this filter did not.
+    field_alone: u8,
+    /// The same of the Sun.
+    sun_alone: u8,
     /// How long the MEKF has contradicted, s.
     differs_s: T,
 }
@@ -63,7 +76,8 @@ impl<T: RealField + Copy> Watch<T> {
             gyro: Channel::new(3.0),
             field: Channel::new(3.0),
             sun: Channel::new(2.0),
-            alone: 0,
+            field_alone: 0,
+            sun_alone: 0,
             differs_s: T::zero(),
         }
     }
@@ -85,34 +99,32 @@ impl<T: RealField + Copy> Watch<T> {
         note(&mut self.gyro, seen.gyro, gates.field_nis);
         note(&mut self.field, seen.field, gates.field_nis);
         note(&mut self.sun, seen.sun, gates.sun_nis);
-        self.compare(seen.field, kinematic.field);
-        self.compare(seen.sun, kinematic.sun);
+        compare(&mut self.field_alone, seen.field, kinematic.field);
+        compare(&mut self.sun_alone, seen.sun, kinematic.sun);
         if let Some(estimate) = kinematic.estimate.as_ref().filter(|it| it.consistent) {
-            let agrees = difference(tracked, estimate) <= convert(DIFFERENCE_GATE);
+            // A gyro that is wrong carries the MEKF astray; field and Sun together need no judge.
+            let borne_out = self.gyro.contradicts(gates.contradictions_in_a_row)
+                && seen.field.is_some_and(|field| field.accepted)
+                && seen.sun.is_some_and(|sun| sun.accepted);
+            let agrees = borne_out || difference(tracked, estimate) <= convert(DIFFERENCE_GATE);
             // Cycles between the MEKF's do not count: it did not speak.
             self.differs_s = if agrees { T::zero() } else { self.differs_s + dt_s };
         }
     }
 
-    fn compare(&mut self, here: Option<Innovation<T>>, there: Option<Innovation<T>>) {
-        if let (Some(here), Some(there)) = (here, there) {
-            self.alone = match (here.accepted, there.accepted) {
-                (true, _) => 0,
-                (false, true) => self.alone.saturating_add(1),
-                (false, false) => self.alone,
-            };
-        }
-    }
-
     /// Whether the estimate has to be given up.
     pub(super) fn gives_up(&self, gates: &Gates<T>) -> bool {
-        self.alone >= gates.contradictions_in_a_row || self.differs_s > convert(PATIENCE_S)
+        self.field_alone.max(self.sun_alone) >= gates.contradictions_in_a_row
+            || self.differs_s > convert(PATIENCE_S)
     }
 
     /// Whether innovations and MEKF bear the estimate out.
     pub(super) fn trusts(&self) -> bool {
-        let agrees = self.alone == 0 && self.differs_s == T::zero();
-        agrees && self.field.is_consistent() && self.sun.is_consistent()
+        let alone = self.field_alone > 0 || self.sun_alone > 0;
+        !alone
+            && self.differs_s == T::zero()
+            && self.field.is_consistent()
+            && self.sun.is_consistent()
     }
 
     /// Whether the gyro has contradicted the dynamics `limit` times in a row.
@@ -182,6 +194,15 @@ mod tests {
     }
 
     #[test]
+    fn the_other_sensor_does_not_speak_for_the_one_that_contradicts() {
+        // Wrong about the field's direction: the field sees nothing of it, the Sun does.
+        for seen in [Seen { field: REFUSED, ..ALL_GOOD }, Seen { sun: REFUSED, ..ALL_GOOD }] {
+            assert!(!gives_up(&after(4, &seen, &kinematic(0.0))));
+            assert!(gives_up(&after(5, &seen, &kinematic(0.0))));
+        }
+    }
+
+    #[test]
     fn measurements_that_both_refuse_do_not_end_it() {
         let seen = Seen { field: REFUSED, sun: None, ..ALL_GOOD };
         let mekf = mekf::Output { field: REFUSED, ..kinematic(0.0) };
@@ -217,6 +238,17 @@ mod tests {
         assert!(gives_up(&after(301, &ALL_GOOD, &kinematic(0.2))));
         // More than half a turn away is no agreement either.
         assert!(!after(1, &ALL_GOOD, &kinematic(6.0)).trusts());
+    }
+
+    #[test]
+    fn a_mekf_that_a_doubtful_gyro_carries_is_no_judge_while_field_and_sun_speak() {
+        let seen = Seen { gyro: REFUSED, ..ALL_GOOD };
+        let watch = after(1000, &seen, &kinematic(0.2));
+        assert!(watch.trusts() && !gives_up(&watch));
+        // In eclipse it is: the field alone leaves a turn open.
+        let seen = Seen { sun: None, ..seen };
+        let watch = after(1000, &seen, &kinematic(0.2));
+        assert!(!watch.trusts() && gives_up(&watch));
     }
 
     #[test]

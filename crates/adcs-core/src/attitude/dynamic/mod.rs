@@ -46,7 +46,7 @@ use self::plant::{Inertia, Motion, Surroundings};
 use self::torque_noise::TorqueSize;
 use self::tracked::{ProcessNoise, Tracked};
 use self::watch::{Seen, Watch};
-use crate::attitude::mekf::{self, FieldPair, FilterEstimate, Innovation, SunPair};
+use crate::attitude::mekf::{self, FieldPair, FilterEstimate, Gates, Innovation, SunPair};
 use crate::frames::{Body, Eci, Rotation, Vector};
 
 /// The Earth's gravitational parameter, m³/s² (WGS84).
@@ -353,13 +353,15 @@ impl<T: RealField + Copy> DynamicFilter<T> {
 
     fn output(&self, state: &DynamicState<T>, event: Option<DynamicEvent>) -> DynamicOutput<T> {
         let sigma = state.torque_size.as_ref().map_or_else(T::zero, TorqueSize::sigma);
-        let trusted = state.watch.trusts();
-        let doubtful =
-            state.watch.gyro_is_doubtful(self.parameters.sensors.gates.contradictions_in_a_row);
-        let estimate = state
-            .tracked
-            .as_ref()
-            .map(|tracked| DynamicEstimate::new(tracked, sigma, trusted, doubtful));
+        let Gates { contradictions_in_a_row, .. } = self.parameters.sensors.gates;
+        let doubtful = state.watch.gyro_is_doubtful(contradictions_in_a_row);
+        // Beyond it nothing is linear, and σ says little.
+        let limit = self.parameters.sensors.limits.linear_rad;
+        let estimate = state.tracked.as_ref().map(|tracked| {
+            let known = tracked.covariance.variance(Block::Attitude).max() <= limit * limit;
+            let trusted = known && state.watch.trusts();
+            DynamicEstimate::new(tracked, sigma, trusted, doubtful)
+        });
         DynamicOutput { estimate, ..DynamicOutput::none(event) }
     }
 }
@@ -612,6 +614,18 @@ mod tests {
         let mut pair = Pair::new(&parameters(true, true));
         let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
         assert!(pair.filter.cycle(&mut pair.state, &inputs(1.0), &nothing).estimate.is_none());
+    }
+
+    #[test]
+    fn an_attitude_that_is_too_uncertain_for_linear_equations_is_not_trusted() {
+        let mut pair = Pair::new(&parameters(true, true));
+        assert!(pair.cycle(&inputs(1.0)).estimate.unwrap().trusted);
+        // 30 deg about one axis; the limit is 20.
+        let more = Matrix3::from_diagonal(&Vector3::new(0.0, 0.27, 0.0));
+        pair.state.tracked.as_mut().unwrap().covariance.add(Block::Attitude, &more);
+        assert!(!pair.filter.output(&pair.state, None).estimate.unwrap().trusted);
+        // One Sun and one field later it is known again.
+        assert!(pair.cycle(&inputs(1.0)).estimate.unwrap().trusted);
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use adcs_core::pipeline::{self, Configuration, Inputs, State, Thoughts};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Schedule;
+use adcs_core::sensing::FaceVerdict;
 use adcs_hal::board::{Board, Samples};
 use adcs_link::Digest;
 use adcs_link::frame;
-use adcs_link::message::{CycleRecord, Message, TruthRecord};
+use adcs_link::message::{CycleRecord, Message, SunRecord, TruthRecord};
 
 use crate::parameters::{FlightParameters, ParameterError};
 
@@ -14,8 +15,10 @@ use crate::parameters::{FlightParameters, ParameterError};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Health {
-    /// Cycles in which a sensor axis gave no reading.
+    /// Cycles in which an axis of gyro or magnetometer gave no reading.
     pub cycles_with_missing_readings: u32,
+    /// Cycles in which a Sun sensor that is fitted gave no reading, or none that a diode can give.
+    pub cycles_with_broken_sun_sensors: u32,
     /// Cycles in which the torquers refused their command.
     pub torquer_faults: u32,
     /// Cycles in which the orbit model gave no position.
@@ -83,9 +86,13 @@ impl<B: Board> FlightApp<B> {
 
     fn sense(&mut self) -> Inputs {
         let now = self.board.now();
-        let Samples { rate_rad_s, field_t } = self.board.sample();
+        let Samples { rate_rad_s, field_t, sun_a } = self.board.sample();
         let phase = self.schedule.phase(self.next_cycle);
-        Inputs { now, phase, rate_rad_s: finite(rate_rad_s), field_t: finite(field_t) }
+        let rate_rad_s = rate_rad_s.map(|axis| finite(axis, |rate| rate.is_finite()));
+        let field_t = field_t.map(|axis| finite(axis, |field| field.is_finite()));
+        let all_finite = |currents: &[f32; 4]| currents.iter().all(|current| current.is_finite());
+        let sun_a = sun_a.map(|face| finite(face, all_finite));
+        Inputs { now, phase, rate_rad_s, field_t, sun_a }
     }
 
     fn count(&mut self, record: &CycleRecord) {
@@ -98,6 +105,11 @@ impl<B: Board> FlightApp<B> {
             &mut health.cycles_with_missing_readings,
             missing(&record.gyro_rad_s) || missing(&record.magnetometer_t),
         );
+        let broken = record.sun_faces.iter().any(|face| match face {
+            FaceVerdict::Missing(reason) => *reason != MissingReason::NotFitted,
+            verdict => *verdict == FaceVerdict::Broken,
+        });
+        bump(&mut health.cycles_with_broken_sun_sensors, broken);
         bump(&mut health.torquer_faults, record.driven_am2.is_none());
         bump(&mut health.cycles_without_orbit, record.position_eci_m.is_none());
     }
@@ -110,11 +122,11 @@ impl<B: Board> FlightApp<B> {
 }
 
 /// The border at which a NaN of a faulty driver is stopped.
-fn finite(axes: [Reading<f32>; 3]) -> [Reading<f32>; 3] {
-    axes.map(|axis| match axis {
-        Reading::Fresh(value) if !value.is_finite() => Reading::Missing(MissingReason::NotFinite),
+fn finite<T>(reading: Reading<T>, is_finite: impl FnOnce(&T) -> bool) -> Reading<T> {
+    match reading {
+        Reading::Fresh(value) if !is_finite(&value) => Reading::Missing(MissingReason::NotFinite),
         other => other,
-    })
+    }
 }
 
 fn record(
@@ -129,10 +141,19 @@ fn record(
         phase: inputs.phase,
         gyro_rad_s: inputs.rate_rad_s,
         magnetometer_t: inputs.field_t,
+        sun_a: inputs.sun_a,
         omega_bi_rad_s: thoughts.omega_bi.map(|v| v.to_array()),
         field_body_t: thoughts.field_b.map(|v| v.to_array()),
+        sun: thoughts.sun_b.sun.map(|sun| SunRecord {
+            body: sun.direction.vector().to_array(),
+            sigma_rad: sun.sigma_rad,
+            worst_residual_rad: sun.worst_residual_rad,
+        }),
+        sun_faces: thoughts.sun_b.faces,
         position_eci_m: thoughts.orbit.map(|orbit| orbit.position.to_array()),
         reference_field_eci_t: thoughts.reference_field.map(|v| v.to_array()),
+        reference_sun_eci: thoughts.reference_sun.map(|sun| sun.vector().to_array()),
+        sunlit: thoughts.sunlit,
         control: thoughts.control,
         commanded_am2: thoughts.command.dipole.to_array(),
         driven_am2,

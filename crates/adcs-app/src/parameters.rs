@@ -5,11 +5,15 @@ use core::fmt;
 
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
+use adcs_core::environment::sun_track::SunTrack;
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
 use adcs_core::pipeline::{Configuration, Law};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
-use adcs_core::sensing::{Triad, TriadError, TriadParameters};
+use adcs_core::sensing::{
+    SunFaces, SunFacesError, SunFacesParameters, Triad, TriadError, TriadParameters,
+};
+use adcs_core::time::LeapSeconds;
 use serde::{Deserialize, Serialize};
 use sgp4_lite::Elements;
 
@@ -35,6 +39,8 @@ pub struct FlightParameters {
     pub gyro: TriadParameters,
     /// The magnetometer's correction; T.
     pub magnetometer: TriadParameters,
+    /// The Sun sensors; `None` on a satellite without.
+    pub sun_sensors: Option<SunFacesParameters>,
     /// The torquers' limit and mounting.
     pub torquers: TorquerParameters,
     /// Mean elements of the orbit; despin flies without them.
@@ -53,6 +59,8 @@ pub enum ParameterError {
     Gyro(TriadError),
     /// The magnetometer's correction.
     Magnetometer(TriadError),
+    /// The Sun sensors.
+    SunSensors(SunFacesError),
     /// The torquers' limit or mounting.
     Torquers(AllocationError),
     /// The orbit's elements.
@@ -66,6 +74,7 @@ impl fmt::Display for ParameterError {
             Self::Gain(error) => write!(f, "law: {error}"),
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
+            Self::SunSensors(error) => write!(f, "Sun sensors: {error}"),
             Self::Torquers(error) => write!(f, "torquers: {error}"),
             Self::Orbit(error) => write!(f, "orbit: {error}"),
         }
@@ -93,10 +102,13 @@ impl FlightParameters {
             }
             None => None,
         };
+        let sun_faces = self.sun_sensors.as_ref().map(SunFaces::new);
         let configuration = Configuration {
             orbit,
+            sun: SunTrack::new(LeapSeconds::BUILT_IN),
             gyro: Triad::new(&self.gyro).map_err(ParameterError::Gyro)?,
             magnetometer: Triad::new(&self.magnetometer).map_err(ParameterError::Magnetometer)?,
+            sun_faces: sun_faces.transpose().map_err(ParameterError::SunSensors)?,
             law,
             allocation: Allocation::new(&self.torquers).map_err(ParameterError::Torquers)?,
         };

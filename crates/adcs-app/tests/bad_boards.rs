@@ -8,7 +8,8 @@ use adcs_core::frames::{TorquerAxes, Vector};
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, ScheduleError, ScheduleParameters};
-use adcs_core::sensing::TriadParameters;
+use adcs_core::sensing::sun_faces::FACES;
+use adcs_core::sensing::{FaceVerdict, SunFacesParameters, TriadParameters};
 use adcs_core::time::Utc;
 use adcs_hal::board::{Board, Samples, TorquerFault};
 use adcs_hal::fault::{Fault, FaultInjector, FaultKind, SensorAxis};
@@ -26,6 +27,7 @@ fn despin() -> FlightParameters {
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
         gyro: TriadParameters::default(),
         magnetometer: TriadParameters::default(),
+        sun_sensors: Some(SunFacesParameters::SPROUT),
         torquers: TorquerParameters {
             max_dipole_am2: LIMIT_AM2,
             alignment_xyzw: [0.0, 0.0, 0.0, 1.0],
@@ -44,6 +46,8 @@ impl Steady {
         let samples = Samples {
             rate_rad_s: [0.05, -0.02, 0.1].map(Reading::Fresh),
             field_t: [2e-5, -1e-5, 3e-5].map(Reading::Fresh),
+            // The Sun straight before face 1.
+            sun_a: core::array::from_fn(|face| Reading::Fresh([40e-6 * f32::from(face == 1); 4])),
         };
         Self { samples }
     }
@@ -90,6 +94,33 @@ fn a_silent_magnetometer_keeps_the_torquers_off_until_it_speaks_again() {
     assert!(records[..ROUND as usize].iter().all(|record| record.commanded_am2 == [0.0; 3]));
     assert_eq!(records[ROUND as usize + 1].control, ControlStatus::Acting);
     assert_eq!(health.cycles_with_missing_readings, ROUND);
+}
+
+#[test]
+fn a_silent_sun_sensor_is_in_the_record_and_counted() {
+    let face = SensorAxis::SunFace(1);
+    let silent = FaultKind::Missing(face, MissingReason::Bus);
+    let script = [
+        Fault { first_cycle: 1, last_cycle: 1, kind: silent },
+        Fault { first_cycle: 2, last_cycle: 2, kind: FaultKind::NotANumber(face) },
+    ];
+    let (records, health) = fly(FaultInjector::new(Steady::tumbling(), &script), ROUND);
+    let seen = records[0].sun.value().unwrap();
+    assert!((seen.body[0] + 1.0).abs() < 1e-6, "{seen:?}");
+    assert_eq!(records[0].sun_faces[1], FaceVerdict::Used);
+    assert_eq!(records[1].sun, Reading::Missing(MissingReason::Bus));
+    assert_eq!(records[2].sun_faces[1], FaceVerdict::Missing(MissingReason::NotFinite));
+    assert_eq!(health.cycles_with_broken_sun_sensors, 2);
+}
+
+#[test]
+fn a_board_without_sun_sensors_flies_and_counts_nothing() {
+    let mut board = Steady::tumbling();
+    board.samples.sun_a = Samples::NO_SUN_SENSORS;
+    let (records, health) = fly(board, 2 * ROUND);
+    assert_eq!(records[1].sun, Reading::Missing(MissingReason::NotFitted));
+    assert_eq!(records[1].control, ControlStatus::Acting);
+    assert_eq!(health, adcs_app::Health { cycles_without_orbit: 2 * ROUND, ..Default::default() });
 }
 
 #[test]
@@ -149,12 +180,16 @@ proptest! {
     fn whatever_the_sensors_say_the_command_is_finite_and_within_limits(
         rate in [any_reading(), any_reading(), any_reading()],
         field in [any_reading(), any_reading(), any_reading()],
+        sun in prop::collection::vec(prop::array::uniform4(any::<f32>()), FACES),
     ) {
-        let board = Steady { samples: Samples { rate_rad_s: rate, field_t: field } };
+        let sun_a = std::array::from_fn(|face| Reading::Fresh(sun[face]));
+        let board = Steady { samples: Samples { rate_rad_s: rate, field_t: field, sun_a } };
         let mut app = FlightApp::new(board, &despin()).unwrap();
         for _ in 0..ROUND {
             let record = app.cycle();
             prop_assert!(record.commanded_am2.iter().all(|m| m.abs() <= LIMIT_AM2));
+            let seen = record.sun.value();
+            prop_assert!(seen.is_none_or(|sun| sun.body.iter().all(|x| x.is_finite())));
         }
     }
 }

@@ -25,6 +25,7 @@
 //! | [`Orbit`] | Z to the Earth's centre, X in the orbit plane on the side of flight, Y against the orbit normal |
 //! | [`Body`] | the structure |
 //! | [`MagnetometerAxes`], [`GyroAxes`], [`TorquerAxes`] | each unit's own axes, before alignment |
+//! | [`SunFaceAxes`] | those of one Sun sensor: z out of the face, x and y along its diode |
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -53,6 +54,8 @@ frames! {
     GyroAxes,
     /// The axes of the three magnetic torquers.
     TorquerAxes,
+    /// The axes of one Sun sensor: z out of the face, through the pinhole; x and y along its diode.
+    SunFaceAxes,
 }
 
 /// Three components in the axes of `F`; the unit stands in the doc line of whoever holds one.

@@ -8,12 +8,15 @@ use serde::{Deserialize, Serialize};
 use crate::control::allocation::{Allocation, Command};
 use crate::control::b_dot::BDot;
 use crate::environment::field::FieldModel;
-use crate::frames::{Body, Eci, GyroAxes, MagnetometerAxes, Vector};
+use crate::environment::sun_track::{SunNodes, SunTrack};
+use crate::environment::sunlight::Sunlight;
+use crate::frames::{Body, Direction, Eci, GyroAxes, MagnetometerAxes, Vector};
 use crate::orbit::OrbitState;
 use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
-use crate::sensing::Triad;
+use crate::sensing::sun_faces::FACES;
+use crate::sensing::{Expected, SunFaces, SunSighting, Triad};
 use crate::time::Utc;
 
 /// The law of stage III.
@@ -30,10 +33,14 @@ pub enum Law {
 pub struct Configuration {
     /// Orbit model; `None` while no elements have been given. Despin does not need it.
     pub orbit: Option<InterpolatedOrbit>,
+    /// Where the Sun is.
+    pub sun: SunTrack,
     /// From the gyros' axes to Body.
     pub gyro: Triad<GyroAxes>,
     /// From the magnetometer's axes to Body.
     pub magnetometer: Triad<MagnetometerAxes>,
+    /// From the currents of the Sun sensors to one direction in Body; `None` without Sun sensors.
+    pub sun_faces: Option<SunFaces>,
     /// The law of stage III.
     pub law: Law,
     /// From the wanted dipole to the torquers.
@@ -44,6 +51,7 @@ pub struct Configuration {
 #[derive(Debug, Clone, Default)]
 pub struct State {
     orbit_nodes: OrbitNodes,
+    sun_nodes: SunNodes,
     field_model: Option<FieldModel<f32>>,
     held: Decision,
 }
@@ -59,6 +67,8 @@ pub struct Inputs {
     pub rate_rad_s: [Reading<f32>; 3],
     /// Field along the magnetometer's axes, T.
     pub field_t: [Reading<f32>; 3],
+    /// Photocurrents X1, X2, Y1, Y2 of each Sun sensor, A.
+    pub sun_a: [Reading<[f32; 4]>; FACES],
 }
 
 /// What stage III did, and if nothing, why.
@@ -86,10 +96,17 @@ pub struct Thoughts {
     pub orbit: Option<OrbitState>,
     /// The model's field at the satellite, Eci, T.
     pub reference_field: Option<Vector<Eci>>,
+    /// Where the Sun should be; `None` when the clock is before 1972.
+    pub reference_sun: Option<Direction<Eci>>,
+    /// Fraction of the Sun's disc that the Earth should leave free, 0 in eclipse to 1; `None`
+    /// without an orbit.
+    pub sunlit: Option<f32>,
     /// Rate of Body relative to Eci, Body, rad/s.
     pub omega_bi: Reading<Vector<Body>>,
     /// Field, Body, T; missing unless the torquers had been at rest long enough.
     pub field_b: Reading<Vector<Body>>,
+    /// The Sun, Body, or why there is none; and what became of each Sun sensor.
+    pub sun_b: SunSighting,
     /// What stage III did.
     pub control: ControlStatus,
     /// What the torquers are asked for.
@@ -98,9 +115,10 @@ pub struct Thoughts {
 
 /// One cycle.
 pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) -> Thoughts {
-    // Stage I: where the satellite is, and which field it should see there.
+    // Stage I: where the satellite is, and which field and which Sun it should see there.
     let orbit = state.orbit(configuration, inputs.now);
     let reference_field = orbit.and_then(|orbit| state.reference_field(inputs.now, &orbit));
+    let sunlight = state.sunlight(configuration, inputs.now, orbit.as_ref());
 
     // What it does see, in Body.
     let omega_bi = configuration.gyro.to_body(inputs.rate_rad_s);
@@ -108,6 +126,7 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         Phase::Measuring => configuration.magnetometer.to_body(inputs.field_t),
         Phase::Settling | Phase::Acting => Reading::Missing(MissingReason::TorquersOn),
     };
+    let sun_b = sighting(configuration, &inputs.sun_a, &expected(sunlight.as_ref()));
 
     // Stage III: what to do about it. A command is decided once a round and held through the action.
     let decision = match inputs.phase {
@@ -117,7 +136,36 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     };
     state.held = decision;
     let Decision { control, command } = decision;
-    Thoughts { orbit, reference_field, omega_bi, field_b, control, command }
+    Thoughts {
+        orbit,
+        reference_field,
+        reference_sun: sunlight.map(|sunlight| sunlight.direction),
+        sunlit: sunlight.and_then(|sunlight| sunlight.lit),
+        omega_bi,
+        field_b,
+        sun_b,
+        control,
+        command,
+    }
+}
+
+/// What is known of the Sun before the Sun sensors are asked: its distance. No attitude stage
+/// predicts its direction.
+fn expected(sunlight: Option<&Sunlight>) -> Expected {
+    let nothing = Expected::default();
+    sunlight.map_or(nothing, |sunlight| Expected { irradiance: sunlight.irradiance, ..nothing })
+}
+
+/// Where the Sun sensors see the Sun.
+fn sighting(
+    configuration: &Configuration,
+    sun_a: &[Reading<[f32; 4]>; FACES],
+    expected: &Expected,
+) -> SunSighting {
+    match &configuration.sun_faces {
+        Some(faces) => faces.sight(sun_a, expected),
+        None => SunSighting::NOT_FITTED,
+    }
 }
 
 /// Stage III of one round: the law's dipole, brought within what the torquers can do. Whatever is
@@ -180,6 +228,17 @@ impl State {
         }
         self.field_model.as_mut()?.eci_t(now, orbit.position).ok()
     }
+
+    /// The Sun as it should be seen, from the formula at the hours around `now`.
+    fn sunlight(
+        &mut self,
+        configuration: &Configuration,
+        now: Utc,
+        orbit: Option<&OrbitState>,
+    ) -> Option<Sunlight> {
+        let sun = configuration.sun.position_m(&mut self.sun_nodes, now).ok()?;
+        Sunlight::seen(sun, orbit.map(|orbit| orbit.position))
+    }
 }
 
 #[cfg(test)]
@@ -187,7 +246,8 @@ mod tests {
     use super::*;
     use crate::control::allocation::TorquerParameters;
     use crate::control::b_dot::BDotGain;
-    use crate::sensing::TriadParameters;
+    use crate::sensing::{SunFacesParameters, TriadParameters};
+    use crate::time::LeapSeconds;
 
     const RATE_RAD_S: [Reading<f32>; 3] =
         [Reading::Fresh(0.05), Reading::Fresh(-0.02), Reading::Fresh(0.1)];
@@ -199,8 +259,10 @@ mod tests {
         let alignment_xyzw = [0.0, 0.0, 0.0, 1.0];
         Configuration {
             orbit: None,
+            sun: SunTrack::new(LeapSeconds::BUILT_IN),
             gyro: Triad::new(&TriadParameters::default()).unwrap(),
             magnetometer: Triad::new(&TriadParameters::default()).unwrap(),
+            sun_faces: Some(SunFaces::new(&SunFacesParameters::SPROUT).unwrap()),
             law,
             allocation: Allocation::new(&TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw })
                 .unwrap(),
@@ -213,7 +275,9 @@ mod tests {
 
     fn inputs(phase: Phase) -> Inputs {
         let now = Utc::from_micros_since_2000(0);
-        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T }
+        let mut sun_a = [Reading::Fresh([0.0; 4]); FACES];
+        sun_a[2] = Reading::Fresh([40e-6; 4]);
+        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a }
     }
 
     #[test]
@@ -263,5 +327,28 @@ mod tests {
             let thoughts = cycle(&configuration, &mut state, &inputs(phase));
             assert_eq!(thoughts.field_b.missing(), Some(MissingReason::TorquersOn));
         }
+    }
+
+    #[test]
+    fn the_sun_is_seen_in_every_phase_and_known_without_an_orbit() {
+        let (configuration, mut state) = (b_dot(), State::default());
+        for phase in [Phase::Settling, Phase::Measuring, Phase::Acting] {
+            let thoughts = cycle(&configuration, &mut state, &inputs(phase));
+            let sun = thoughts.sun_b.sun.value().unwrap().direction.vector();
+            assert!((sun - Vector::new(0.0, 1.0, 0.0)).norm() < 1e-6);
+            // Noon on 1 January: the Sun stands 23 deg south.
+            let reference = thoughts.reference_sun.unwrap().vector();
+            assert!((reference.xyz.z + 0.391).abs() < 0.002, "{reference:?}");
+            assert_eq!(thoughts.sunlit, None);
+        }
+    }
+
+    #[test]
+    fn without_sun_sensors_the_rest_flies() {
+        let (mut configuration, mut state) = (b_dot(), State::default());
+        configuration.sun_faces = None;
+        let thoughts = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
+        assert_eq!(thoughts.sun_b.sun.missing(), Some(MissingReason::NotFitted));
+        assert_eq!(thoughts.control, ControlStatus::Acting);
     }
 }

@@ -15,6 +15,16 @@ pub enum MissingReason {
     NotFinite,
     /// The torquers were on, or the field had not settled since they were switched off.
     TorquersOn,
+    /// The satellite has no such sensor, or the flight software no description of it.
+    NotFitted,
+    /// No face of the Sun sensors has light.
+    Dark,
+    /// There is light, but by its brightness or place none of it is the Sun's.
+    NotTheSun,
+    /// What looks like the Sun is not where it was predicted.
+    Unpredicted,
+    /// Several things look like the Sun, in different directions.
+    Disagree,
 }
 
 /// One value of type `T`, fresh or missing.

@@ -4,7 +4,7 @@ use adcs_app::{FlightParameters, LawParameters};
 use adcs_core::{
     control::{allocation::TorquerParameters, b_dot::BDotGain},
     schedule::ScheduleParameters,
-    sensing::TriadParameters,
+    sensing::{SunFacesParameters, TriadParameters},
 };
 use adcs_hal::driver_board::DriverBoardConfig;
 
@@ -20,6 +20,7 @@ pub const FLIGHT: FlightParameters = FlightParameters {
     law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
     gyro: UNCALIBRATED,
     magnetometer: UNCALIBRATED,
+    sun_sensors: Some(SunFacesParameters::SPROUT),
     torquers: TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw: [0.0, 0.0, 0.0, 1.0] },
     elements: None,
 };

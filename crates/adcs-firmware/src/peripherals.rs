@@ -16,7 +16,7 @@ const PWM_HZ: u32 = 20_000;
 /// Polls allowed for one byte on SPI. At 0.5 MHz it takes 16 µs, 2,700 cycles at 168 MHz; a poll
 /// takes a handful.
 const SPI_POLLS: u32 = 10_000;
-/// The converter wants chip select high for 500 ns (DS21298E §1.0, t_CSH): 84 cycles at 168 MHz.
+/// A converter wants chip select high for 500 ns (DS21298E §1.0, t_CSH): 84 cycles at 168 MHz.
 const DESELECTED_CYCLES: u32 = 84;
 
 /// The buses and pins of [`DriverBoard`](adcs_hal::driver_board::DriverBoard).
@@ -31,8 +31,11 @@ pub fn take<'a, C>(chip: &'a Peripherals, source: ClockSource, clock: C) -> Boar
     set_up_torquer_pins(&chip.GPIOC);
     set_up_spi(&chip.SPI1, &chip.GPIOA, source);
     let pin = |number| Pin { port: &chip.GPIOC, number };
+    let core_hz = source.core_hz();
+    let bus = |select| spi::Device(Spi { bus: &chip.SPI1, port: &chip.GPIOA, select, core_hz });
     Parts {
-        spi: spi::Device(Spi { bus: &chip.SPI1, port: &chip.GPIOA, core_hz: source.core_hz() }),
+        spi: bus(pins::CONVERTER_SELECT),
+        sun_spi: Some(pins::SUN_CONVERTER_SELECTS.map(bus)),
         enable: [0, 1, 2].map(|channel| Channel { timer: &chip.TIM3, channel }),
         phase: pins::PHASE.map(pin),
         sleep: pin(pins::AWAKE),
@@ -76,16 +79,23 @@ fn set_up_torquer_pins(port: &GPIOC) {
 }
 
 fn set_up_spi(bus: &SPI1, port: &GPIOA, source: ClockSource) {
-    port.bsrr().write(|w| w.bs(pins::CONVERTER_SELECT).set_bit());
+    let selects = || pins::SUN_CONVERTER_SELECTS.into_iter().chain([pins::CONVERTER_SELECT]);
+    // High before they are outputs, so that no two converters ever answer at once.
+    for select in selects() {
+        port.bsrr().write(|w| w.bs(select).set_bit());
+    }
     // SPI1 is alternate function 5 of PA5 to PA7.
     port.afrl().modify(|_, w| w.afrl5().af5().afrl6().af5().afrl7().af5());
     port.moder().modify(|_, w| {
         for pin in pins::CONVERTER_BUS {
             w.moder(pin).alternate();
         }
-        w.moder(pins::CONVERTER_SELECT).output()
+        for select in selects() {
+            w.moder(select).output();
+        }
+        w
     });
-    // The converter takes at most 1 MHz at 2.7 V: 84 MHz / 128 and 16 MHz / 32 stay below.
+    // The converters take at most 1 MHz at 2.7 V: 84 MHz / 128 and 16 MHz / 32 stay below.
     bus.cr1().write(|w| {
         match source {
             ClockSource::Crystal168MHz => w.br().div128(),
@@ -96,21 +106,22 @@ fn set_up_spi(bus: &SPI1, port: &GPIOA, source: ClockSource) {
     });
 }
 
-/// SPI1 with the converter's chip select.
+/// SPI1 with one converter's chip select.
 #[derive(Debug)]
 pub struct Spi<'a> {
     bus: &'a SPI1,
     port: &'a GPIOA,
+    select: u8,
     core_hz: u32,
 }
 
 impl spi::Bus for Spi<'_> {
     fn select(&mut self) {
-        self.port.bsrr().write(|w| w.br(pins::CONVERTER_SELECT).set_bit());
+        self.port.bsrr().write(|w| w.br(self.select).set_bit());
     }
 
     fn deselect(&mut self) {
-        self.port.bsrr().write(|w| w.bs(pins::CONVERTER_SELECT).set_bit());
+        self.port.bsrr().write(|w| w.bs(self.select).set_bit());
         cortex_m::asm::delay(DESELECTED_CYCLES);
     }
 

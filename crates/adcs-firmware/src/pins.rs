@@ -9,8 +9,9 @@
 //! | PC6, PC7, PC8 | TIM3 channels 1, 2, 3 | bridge enable (PWM) of the X, Y, Z torquer |
 //! | PC0, PC1, PC2 | output | bridge phase (direction) of the X, Y, Z torquer |
 //! | PC9 | output, high = awake | sleep input common to the three bridges |
-//! | PA5, PA6, PA7 | SPI1 clock, in, out | the converter behind the magnetometer and the gyros |
-//! | PA4 | output, low = selected | that converter's chip select |
+//! | PA5, PA6, PA7 | SPI1 clock, in, out | all converters |
+//! | PA4 | output, low = selected | chip select of the converter behind magnetometer and gyros |
+//! | PA1, PA2, PA3 | output, low = selected | chip selects of those behind Sun sensors 0 and 1, 2 and 3, 4 and 5 |
 //! | PH0, PH1 | oscillator | 8 MHz crystal |
 //! | PA13, PA14 | SWD | debugger, RTT |
 //!
@@ -25,11 +26,14 @@ pub const PHASE: [u8; 3] = [0, 1, 2];
 /// Sleep pin common to the three bridges on port C: low puts all outputs to high impedance.
 pub const AWAKE: u8 = 9;
 
-/// Clock, in and out of the converter's SPI on port A.
+/// Clock, in and out of the converters' SPI on port A.
 pub const CONVERTER_BUS: [u8; 3] = [5, 6, 7];
 
-/// The converter's chip select on port A.
+/// Chip select of the converter behind magnetometer and gyros, on port A.
 pub const CONVERTER_SELECT: u8 = 4;
+
+/// Chip selects of the converters behind the Sun sensors, on port A.
+pub const SUN_CONVERTER_SELECTS: [u8; 3] = [1, 2, 3];
 
 /// Port C pins of the torquers as a bit mask.
 pub const TORQUER_MASK: u16 = mask(&ENABLE) | mask(&PHASE) | mask(&[AWAKE]);
@@ -47,6 +51,13 @@ const fn mask(pins: &[u8]) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_converter_has_a_pin_of_its_own() {
+        let selects = mask(&[CONVERTER_SELECT]) | mask(&SUN_CONVERTER_SELECTS);
+        assert_eq!(selects.count_ones(), 4);
+        assert_eq!(selects & mask(&CONVERTER_BUS), 0);
+    }
 
     #[test]
     fn seven_different_pins_belong_to_the_torquers() {

@@ -1,4 +1,4 @@
-//! The converter's SPI bus and chip select as an embedded-hal `SpiDevice`.
+//! A converter's chip select and the converters' common SPI bus as an embedded-hal `SpiDevice`.
 //!
 //! Every wait is bounded: a bus whose clock stands still gives an error, not a hanging satellite.
 
@@ -17,7 +17,7 @@ pub trait Bus {
     fn delay_ns(&mut self, ns: u32);
 }
 
-/// A bus with one device on it.
+/// One device of a bus. Several may share it: one processor, one transaction after the other.
 #[derive(Debug)]
 pub struct Device<B>(pub B);
 

@@ -4,9 +4,9 @@ use std::fmt;
 use std::io::Read as _;
 use std::path::Path;
 
-use adcs_core::attitude::mekf::{
-    FieldNoise, GivenStart, GyroSampling, Mekf, MekfError, MekfParameters, MekfState,
-};
+use adcs_core::attitude::dynamic::{DynamicError, DynamicParameters};
+use adcs_core::attitude::mekf::{FieldNoise, GivenStart, GyroSampling, MekfError, MekfParameters};
+use adcs_core::attitude::selection::{Estimator, EstimatorState, Flies};
 use adcs_core::frames::{Rotation, Vector};
 use anyhow::{Context as _, bail};
 use nalgebra::{RealField, convert};
@@ -42,6 +42,9 @@ pub struct FilterConfig {
     attitude_sigma_deg: Option<f64>,
     #[serde(rename = "reference_filter_P0_bias_sigma_deg_s")]
     bias_sigma_deg_s: Option<f64>,
+    inertia_kg_m2: Option<[[f64; 3]; 3]>,
+    residual_dipole_am2: Option<[f64; 3]>,
+    unknown_torque_n_m: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -56,6 +59,7 @@ enum Sampling {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Refused {
     Value(MekfError),
+    Dynamics(DynamicError),
     StartQuaternion,
 }
 
@@ -63,6 +67,7 @@ impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Value(error) => error.fmt(f),
+            Self::Dynamics(error) => error.fmt(f),
             Self::StartQuaternion => write!(
                 f,
                 "reference_filter_initial_q_xyzw must be four finite numbers, not all zero"
@@ -76,6 +81,12 @@ impl std::error::Error for Refused {}
 impl From<MekfError> for Refused {
     fn from(error: MekfError) -> Self {
         Self::Value(error)
+    }
+}
+
+impl From<DynamicError> for Refused {
+    fn from(error: DynamicError) -> Self {
+        Self::Dynamics(error)
     }
 }
 
@@ -98,17 +109,23 @@ impl FilterConfig {
         serde_json::from_slice(&bytes).with_context(|| name.clone())
     }
 
-    /// The filter and the state in which it begins: at the given start, or without estimate.
+    /// The filters and the state in which they begin: at the given start, or without estimate.
     ///
     /// # Errors
     /// When a value is none that the filter can work with.
-    pub fn filter<T: RealField + Copy>(&self) -> anyhow::Result<(Mekf<T>, MekfState<T>)> {
-        self.accepted().map_err(Into::into)
+    pub fn filter<T: RealField + Copy>(
+        &self,
+        flies: Flies,
+    ) -> anyhow::Result<(Estimator<T>, EstimatorState<T>)> {
+        self.accepted(flies).map_err(Into::into)
     }
 
-    fn accepted<T: RealField + Copy>(&self) -> Result<(Mekf<T>, MekfState<T>), Refused> {
-        let mekf = Mekf::new(&self.parameters())?;
-        let mut state = MekfState::default();
+    fn accepted<T: RealField + Copy>(
+        &self,
+        flies: Flies,
+    ) -> Result<(Estimator<T>, EstimatorState<T>), Refused> {
+        let estimator = Estimator::new(&self.dynamics(), flies)?;
+        let mut state = EstimatorState::default();
         if let Some(xyzw) = self.reference_filter_initial_q_xyzw {
             let r_bi = Rotation::from_attitude_quaternion(xyzw.map(convert))
                 .ok_or(Refused::StartQuaternion)?;
@@ -119,13 +136,29 @@ impl FilterConfig {
                 gyro_bias: Vector::zero(),
                 gyro_bias_sigma_rad_s: convert(self.bias_prior_rad_s()),
             };
-            mekf.begin(&mut state, &start)?;
+            estimator.mekf().begin(&mut state.mekf, &start)?;
         }
-        Ok((mekf, state))
+        Ok((estimator, state))
     }
 
     fn bias_prior_rad_s(&self) -> f64 {
         self.bias_sigma_deg_s.unwrap_or(BIAS_PRIOR_DEG_S).to_radians()
+    }
+
+    /// Keys that are not there keep the library's values, which are SPROUT's.
+    fn dynamics<T: RealField + Copy>(&self) -> DynamicParameters<T> {
+        let mut dynamics =
+            DynamicParameters { sensors: self.parameters(), ..DynamicParameters::default() };
+        if let Some(rows) = self.inertia_kg_m2 {
+            dynamics.inertia_kg_m2 = rows.map(|row| row.map(convert));
+        }
+        if let Some(dipole) = self.residual_dipole_am2 {
+            dynamics.dipole_am2 = dipole.map(convert);
+        }
+        if let Some(sigma) = self.unknown_torque_n_m {
+            dynamics.torque.start_n_m = convert(sigma);
+        }
+        dynamics
     }
 
     fn parameters<T: RealField + Copy>(&self) -> MekfParameters<T> {

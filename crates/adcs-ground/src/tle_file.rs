@@ -31,13 +31,18 @@ pub fn name(path: &Path) -> String {
 /// # Errors
 /// When the file cannot be read, or is far longer than a TLE.
 pub fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
+    read_at_most(path, MAX_BYTES, "TLE")
+}
+
+/// The bytes of a file with one `what`, not longer than `max_bytes`.
+pub(crate) fn read_at_most(path: &Path, max_bytes: u64, what: &str) -> anyhow::Result<Vec<u8>> {
     let name = name(path);
     let mut bytes = Vec::new();
     open(path)
-        .and_then(|(file, _)| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+        .and_then(|(file, _)| file.take(max_bytes + 1).read_to_end(&mut bytes))
         .with_context(|| format!("{name}: cannot be read"))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        bail!("{name}: longer than {MAX_BYTES} bytes; a file with one TLE is wanted");
+    if bytes.len() as u64 > max_bytes {
+        bail!("{name}: longer than {max_bytes} bytes; a file with one {what} is wanted");
     }
     Ok(bytes)
 }

@@ -43,7 +43,7 @@ impl ConverterConfig {
     pub const ASSUMED: Self = Self { reference_v: 3.3, rail_margin_codes: 16 };
 
     /// The highest code that counts as the lower rail and the lowest that counts as the upper.
-    fn rails(self) -> (Code, Code) {
+    pub(crate) fn rails(self) -> (Code, Code) {
         let margin = self.rail_margin_codes.min(Code::MAX.get());
         let low = Code::new(margin).unwrap_or(Code::MAX);
         let high = Code::new(Code::MAX.get() - margin).unwrap_or(Code::MIN);

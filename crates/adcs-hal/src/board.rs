@@ -10,8 +10,10 @@
 use core::fmt;
 
 use adcs_core::frames::{TorquerAxes, Vector};
-use adcs_core::reading::Reading;
+use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::time::Utc;
+
+use crate::psd_face::FACES;
 
 /// What the sensors said in one cycle, in SI units along each sensor's own axes, by the formula of
 /// the data sheet. Alignment, bias and scale are applied later, by `adcs_core::sensing`.
@@ -21,6 +23,14 @@ pub struct Samples {
     pub rate_rad_s: [Reading<f32>; 3],
     /// Magnetic flux density along the three magnetometer axes, T.
     pub field_t: [Reading<f32>; 3],
+    /// Photocurrents X1, X2, Y1, Y2 of each Sun sensor, A; `Missing(NotFitted)` on a board without.
+    pub sun_a: [Reading<[f32; 4]>; FACES],
+}
+
+impl Samples {
+    /// What a board without Sun sensors says of them.
+    pub const NO_SUN_SENSORS: [Reading<[f32; 4]>; FACES] =
+        [Reading::Missing(MissingReason::NotFitted); FACES];
 }
 
 /// Why the torquers could not be brought to the state that was asked for.

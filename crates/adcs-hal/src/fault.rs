@@ -10,13 +10,15 @@ use adcs_core::time::Utc;
 
 use crate::board::{Board, Samples, TorquerFault};
 
-/// One axis of one sensor.
+/// One axis of one sensor, or one Sun sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorAxis {
     /// Gyro 0, 1 or 2.
     Gyro(usize),
     /// Magnetometer axis 0, 1 or 2.
     Magnetometer(usize),
+    /// All four currents of Sun sensor 0 to 5.
+    SunFace(usize),
 }
 
 /// What goes wrong.
@@ -34,6 +36,16 @@ pub enum FaultKind {
         /// Which torquer.
         axis: u8,
     },
+}
+
+impl FaultKind {
+    /// The sensor that it spoils.
+    fn axis(self) -> Option<SensorAxis> {
+        match self {
+            Self::Missing(axis, _) | Self::NotANumber(axis) | Self::Stuck(axis) => Some(axis),
+            Self::TorquerRefuses { .. } => None,
+        }
+    }
 }
 
 /// A fault and when it is there.
@@ -77,11 +89,21 @@ impl<'script, B: Board> FaultInjector<'script, B> {
     }
 }
 
-/// The reading of `axis`; `None` for an axis above 2.
-fn reading_of(samples: &mut Samples, axis: SensorAxis) -> Option<&mut Reading<f32>> {
-    match axis {
-        SensorAxis::Gyro(axis) => samples.rate_rad_s.get_mut(axis),
-        SensorAxis::Magnetometer(axis) => samples.field_t.get_mut(axis),
+/// What is left of a reading; `None` when there is no such axis.
+fn spoil<T: Copy>(
+    kind: FaultKind,
+    reading: Option<&mut Reading<T>>,
+    previous: Option<&Reading<T>>,
+    not_a_number: T,
+) {
+    let spoilt = match kind {
+        FaultKind::Missing(_, reason) => Some(Reading::Missing(reason)),
+        FaultKind::NotANumber(_) => Some(Reading::Fresh(not_a_number)),
+        FaultKind::Stuck(_) => previous.copied(),
+        FaultKind::TorquerRefuses { .. } => None,
+    };
+    if let (Some(reading), Some(spoilt)) = (reading, spoilt) {
+        *reading = spoilt;
     }
 }
 
@@ -94,16 +116,20 @@ impl<B: Board> Board for FaultInjector<'_, B> {
         let mut samples = self.board.sample();
         self.cycles_begun = self.cycles_begun.saturating_add(1);
         // Before the first cycle there is nothing to be stuck at but its own value.
-        let mut previous = self.previous.unwrap_or(samples);
+        let previous = self.previous.unwrap_or(samples);
         for kind in self.active() {
-            let (axis, spoilt) = match kind {
-                FaultKind::Missing(axis, reason) => (axis, Some(Reading::Missing(reason))),
-                FaultKind::NotANumber(axis) => (axis, Some(Reading::Fresh(f32::NAN))),
-                FaultKind::Stuck(axis) => (axis, reading_of(&mut previous, axis).copied()),
-                FaultKind::TorquerRefuses { .. } => continue,
-            };
-            if let (Some(reading), Some(spoilt)) = (reading_of(&mut samples, axis), spoilt) {
-                *reading = spoilt;
+            let (Samples { rate_rad_s, field_t, sun_a }, before) = (&mut samples, &previous);
+            match kind.axis() {
+                Some(SensorAxis::Gyro(axis)) => {
+                    spoil(kind, rate_rad_s.get_mut(axis), before.rate_rad_s.get(axis), f32::NAN);
+                }
+                Some(SensorAxis::Magnetometer(axis)) => {
+                    spoil(kind, field_t.get_mut(axis), before.field_t.get(axis), f32::NAN);
+                }
+                Some(SensorAxis::SunFace(face)) => {
+                    spoil(kind, sun_a.get_mut(face), before.sun_a.get(face), [f32::NAN; 4]);
+                }
+                None => {}
             }
         }
         self.previous = Some(samples);
@@ -128,6 +154,7 @@ impl<B: Board> Board for FaultInjector<'_, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::psd_face::FACES;
 
     /// Counts its samples in all axes and remembers the last dipole.
     struct Counter {
@@ -142,7 +169,11 @@ mod tests {
         fn sample(&mut self) -> Samples {
             self.count += 1.0;
             let readings = [Reading::Fresh(self.count); 3];
-            Samples { rate_rad_s: readings, field_t: readings }
+            Samples {
+                rate_rad_s: readings,
+                field_t: readings,
+                sun_a: [Reading::Fresh([self.count; 4]); FACES],
+            }
         }
         fn drive(
             &mut self,
@@ -181,6 +212,19 @@ mod tests {
         let mut board = inject(&script);
         let seen: [_; 5] = core::array::from_fn(|_| board.sample().rate_rad_s[2].value().unwrap());
         assert_eq!(seen, [1.0, 2.0, 2.0, 2.0, 5.0]);
+    }
+
+    #[test]
+    fn a_sun_sensor_is_stuck_and_silenced_as_a_whole() {
+        let stuck = FaultKind::Stuck(SensorAxis::SunFace(5));
+        let silent = FaultKind::Missing(SensorAxis::SunFace(0), MissingReason::Bus);
+        let script = [stuck, silent].map(|kind| Fault { first_cycle: 1, last_cycle: 9, kind });
+        let mut board = inject(&script);
+        board.sample();
+        let sun_a = board.sample().sun_a;
+        assert_eq!(sun_a[5], Reading::Fresh([1.0; 4]));
+        assert_eq!(sun_a[0], Reading::Missing(MissingReason::Bus));
+        assert_eq!(sun_a[1..5], [Reading::Fresh([2.0; 4]); 4]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! flight application ── board::Board ─┬─ driver_board::DriverBoard ─┬─ analog_triad ── mcp3208 ── SPI
+//!                                     │                             ├─ psd_face ───── mcp3208 ── SPI
 //!                                     │                             └─ drv8838 ────────── PWM, pins
 //!                                     └─ fault::FaultInjector<any Board>
 //! ```
@@ -11,6 +12,7 @@
 //! | [`board`] | the world as the flight application sees it |
 //! | [`driver_board`] | that world made of the drivers below |
 //! | [`analog_triad`] | magnetometer module and gyros: volts to SI by the data sheet's formula |
+//! | [`psd_face`] | Sun sensors: volts to the four photocurrents of a face |
 //! | [`mcp3208`] | the converter that reads their volts |
 //! | [`drv8838`] | the H-bridges that feed the torquers |
 //! | [`fault`] | a board that fails by a script |
@@ -39,3 +41,4 @@ pub mod driver_board;
 pub mod drv8838;
 pub mod fault;
 pub mod mcp3208;
+pub mod psd_face;

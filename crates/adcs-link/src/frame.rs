@@ -12,8 +12,8 @@ use postcard::ser_flavors::{Cobs, Slice};
 use crate::digest::Digest;
 use crate::message::Message;
 
-/// No frame is longer than this, bytes. The longest message, a cycle with every field present,
-/// has 232 bytes before COBS adds one in 254 and the zero.
+/// No frame is longer than this, bytes. That of the longest message, a cycle with every field
+/// present, has 300 with its CRC, what COBS adds, and the zero.
 pub const MAX_FRAME: usize = 320;
 
 /// CRC-32 of the frames, as in Ethernet.
@@ -86,12 +86,17 @@ pub fn digest(message: &Message, digest: &mut Digest) -> Result<(), FrameError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::message::{CycleRecord, End, Hello, VERSION};
+    use crate::message::{CycleRecord, End, Hello, SunRecord, VERSION};
     use adcs_core::pipeline::ControlStatus;
     use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
+    use adcs_core::sensing::FaceVerdict;
+    use adcs_core::sensing::sun_faces::FACES;
     use adcs_core::time::Utc;
     use proptest::prelude::*;
+
+    /// That of the doc comment of [`MAX_FRAME`].
+    const LONGEST_FRAME: usize = 300;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -100,10 +105,19 @@ mod tests {
             phase: Phase::Acting,
             gyro_rad_s: [Reading::Fresh(f32::MAX); 3],
             magnetometer_t: [Reading::Fresh(f32::MIN); 3],
+            sun_a: [Reading::Fresh([f32::MAX; 4]); FACES],
             omega_bi_rad_s: Reading::Fresh([f32::MAX; 3]),
             field_body_t: Reading::Fresh([f32::MAX; 3]),
+            sun: Reading::Fresh(SunRecord {
+                body: [1.0; 3],
+                sigma_rad: f32::MAX,
+                worst_residual_rad: f32::MAX,
+            }),
+            sun_faces: [FaceVerdict::Missing(MissingReason::NotFitted); FACES],
             position_eci_m: Some([f64::MAX; 3]),
             reference_field_eci_t: Some([f32::MAX; 3]),
+            reference_sun_eci: Some([f32::MAX; 3]),
+            sunlit: Some(f32::MAX),
             control: ControlStatus::NoField(MissingReason::TorquersOn),
             commanded_am2: [f32::MAX; 3],
             driven_am2: Some([f32::MAX; 3]),
@@ -115,6 +129,7 @@ mod tests {
     fn the_longest_message_fits_and_comes_back() {
         let mut buffer = [0; MAX_FRAME];
         let frame = encode(&longest(), &mut buffer).unwrap();
+        assert_eq!(frame.len(), LONGEST_FRAME);
         assert_eq!(frame.iter().filter(|&&byte| byte == 0).count(), 1);
         assert_eq!(frame.last(), Some(&0));
         assert_eq!(decode(frame), Ok(longest()));

@@ -23,4 +23,4 @@ pub mod frame;
 pub mod message;
 
 pub use digest::Digest;
-pub use message::{CycleRecord, Message, TruthRecord};
+pub use message::{CycleRecord, Message, SunRecord, TruthRecord};

@@ -4,12 +4,14 @@
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::Reading;
 use adcs_core::schedule::Phase;
+use adcs_core::sensing::FaceVerdict;
+use adcs_core::sensing::sun_faces::FACES;
 use adcs_core::time::Utc;
 use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. A reader refuses any other: postcard carries no field names, so
 /// bytes of another version would decode into nonsense.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// One message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -48,14 +50,24 @@ pub struct CycleRecord {
     pub gyro_rad_s: [Reading<f32>; 3],
     /// Field along each magnetometer axis as the driver gave it, T, torquers' field included.
     pub magnetometer_t: [Reading<f32>; 3],
+    /// Photocurrents X1, X2, Y1, Y2 of each Sun sensor as the driver gave them, A.
+    pub sun_a: [Reading<[f32; 4]>; FACES],
     /// Rate of Body relative to Eci after calibration, Body, rad/s.
     pub omega_bi_rad_s: Reading<[f32; 3]>,
     /// Field after calibration, Body, T; missing unless it was measured with the torquers at rest.
     pub field_body_t: Reading<[f32; 3]>,
+    /// The Sun as the Sun sensors together see it, or why they do not.
+    pub sun: Reading<SunRecord>,
+    /// What became of each Sun sensor.
+    pub sun_faces: [FaceVerdict; FACES],
     /// Where the satellite takes itself to be, Eci, m; `None` when the orbit model fails.
     pub position_eci_m: Option<[f64; 3]>,
     /// The model's field there, Eci, T.
     pub reference_field_eci_t: Option<[f32; 3]>,
+    /// Where the Sun should be, Eci, unit vector.
+    pub reference_sun_eci: Option<[f32; 3]>,
+    /// Fraction of the Sun's disc that should be free, 0 in eclipse to 1.
+    pub sunlit: Option<f32>,
     /// What stage III made of it.
     pub control: ControlStatus,
     /// Dipole commanded, along the torquers' axes, A·m².
@@ -64,6 +76,17 @@ pub struct CycleRecord {
     pub driven_am2: Option<[f32; 3]>,
     /// Which torquers stood at their limit.
     pub saturated: [bool; 3],
+}
+
+/// The Sun, measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SunRecord {
+    /// Its direction, Body, unit vector.
+    pub body: [f32; 3],
+    /// σ about each axis across it, rad.
+    pub sigma_rad: f32,
+    /// By how much the face furthest from it differs, rad.
+    pub worst_residual_rad: f32,
 }
 
 /// The true state at the start of a cycle, before the cycle's command.
@@ -83,6 +106,8 @@ pub struct TruthRecord {
     pub kinetic_energy_j: f64,
     /// Dipole that the torquers carried up to this instant, Body, A·m².
     pub torquer_dipole_body_am2: [f64; 3],
+    /// Where the Sun is, from the satellite, Eci, unit vector.
+    pub sun_eci: [f64; 3],
     /// Whether the Sun was in sight.
     pub sunlit: bool,
 }

@@ -33,6 +33,9 @@ impl Board for ExactBoard<'_> {
         Samples {
             rate_rad_s: world.exact_rate().to_f32().to_array().map(Reading::Fresh),
             field_t: world.exact_field().to_f32().to_array().map(Reading::Fresh),
+            sun_a: world.exact_sun_currents().map_or(Samples::NO_SUN_SENSORS, |currents| {
+                currents.map(|face| Reading::Fresh(face.map(|current_a| current_a as f32)))
+            }),
         }
     }
 

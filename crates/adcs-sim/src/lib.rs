@@ -16,12 +16,14 @@
 #![forbid(unsafe_code)]
 
 pub mod devices;
+pub mod earth_light;
 pub mod exact_board;
 pub mod fly;
 pub mod noise;
 pub mod rigid_body;
 pub mod scenario;
 pub mod sensor;
+pub mod sun_sensors;
 pub mod surroundings;
 pub mod torques;
 pub mod world;

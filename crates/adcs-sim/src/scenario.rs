@@ -3,8 +3,10 @@
 //! same bits.
 
 use adcs_app::FlightParameters;
+use adcs_core::sensing::{SunFaceParameters, SunFacesParameters};
 use adcs_core::time::Utc;
 use adcs_hal::driver_board::DriverBoardConfig;
+use adcs_hal::psd_face::FACES;
 use serde::{Deserialize, Serialize};
 use sgp4_lite::Elements;
 
@@ -12,7 +14,7 @@ use crate::devices::SpiFault;
 
 /// Version of this data and of the link messages that come back; both sides of an emulated flight
 /// check it.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// One flight: the satellite's own parameters, and the truth it will meet.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,6 +76,8 @@ pub struct WorldParameters {
     /// Where the magnetometer sits relative to the torquers, Body, m; `None` keeps their field from
     /// reaching it.
     pub magnetometer_offset_m: Option<[f64; 3]>,
+    /// The Sun sensors as they are; `None` on a satellite without.
+    pub sun_sensors: Option<SunSensorsTruth>,
     /// Attitude quaternion from Body to the torquers' axes.
     pub torquer_alignment_xyzw: [f64; 4],
     /// Dipole of each torquer at full duty, A·m².
@@ -130,4 +134,61 @@ impl SensorTruth {
         bias: [0.0; 3],
         noise: 0.0,
     };
+}
+
+/// The Sun sensors as they really are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SunSensorsTruth {
+    /// The faces.
+    pub faces: [SunFaceTruth; FACES],
+    /// Standard deviation of the direction in which a face sees the Sun, about each axis across it,
+    /// rad.
+    pub noise_rad: f64,
+    /// Standard deviation of the white noise of each conversion, A.
+    pub current_noise_a: f64,
+    /// Part of the sunlight that the Earth sends back; 0 switches its light off.
+    pub albedo: f64,
+}
+
+impl SunSensorsTruth {
+    /// Sun sensors that are what the flight software takes them for, without noise, over a black
+    /// Earth.
+    pub fn perfect(known: &SunFacesParameters) -> Self {
+        let face = |face: &SunFaceParameters| SunFaceTruth {
+            alignment_xyzw: face.alignment_xyzw.map(f64::from),
+            active_length_m: f64::from(face.active_length_m),
+            height_m: f64::from(face.height_m),
+            full_sun_a: f64::from(face.full_sun_a),
+            half_cone_rad: f64::from(face.half_cone_rad),
+            fault: None,
+        };
+        let faces = known.faces.each_ref().map(face);
+        Self { faces, noise_rad: 0.0, current_noise_a: 0.0, albedo: 0.0 }
+    }
+}
+
+/// One Sun sensor as it really is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SunFaceTruth {
+    /// Attitude quaternion from the face's axes to Body.
+    pub alignment_xyzw: [f64; 4],
+    /// Active length of the diode, m.
+    pub active_length_m: f64,
+    /// Height of the pinhole above it, m.
+    pub height_m: f64,
+    /// Photocurrent of the Sun at one astronomical unit, straight ahead, A.
+    pub full_sun_a: f64,
+    /// Half the angle of the cone in which the face sees, rad.
+    pub half_cone_rad: f64,
+    /// What is broken.
+    pub fault: Option<SunFaceFault>,
+}
+
+/// How a Sun sensor fails.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SunFaceFault {
+    /// It shows no light.
+    Dark,
+    /// It shows the Sun straight ahead for ever.
+    Stuck,
 }

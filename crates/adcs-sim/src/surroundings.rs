@@ -30,6 +30,14 @@ pub struct Sunlight {
     pub lit: f64,
 }
 
+impl Sunlight {
+    /// The direction to the Sun, a unit vector.
+    pub fn direction(&self) -> Vector<Eci, f64> {
+        // The Sun is never where the satellite is.
+        self.to_sun.direction().map_or(Vector::zero(), |direction| direction.vector())
+    }
+}
+
 /// The models of the truth: SGP4 and IGRF in f64, evaluated at every instant that is asked for.
 #[derive(Debug, Clone)]
 pub struct Nature {

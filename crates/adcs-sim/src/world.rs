@@ -6,12 +6,13 @@ use adcs_hal::analog_triad::AnalogTriadConfig;
 use adcs_hal::driver_board::DriverBoardConfig;
 use adcs_link::TruthRecord;
 
-use crate::devices::Plant;
+use crate::devices::{Converter, Plant};
 use crate::fly::FlightError;
 use crate::noise::Gaussian;
 use crate::rigid_body::{Inertia, Motion, Stage};
 use crate::scenario::WorldParameters;
 use crate::sensor::Sensor;
+use crate::sun_sensors::{Currents, SunSensors};
 use crate::surroundings::{Nature, Sunlight, Surroundings};
 use crate::torques::drag::{self, Drag};
 use crate::torques::solar_pressure::SolarPressure;
@@ -20,6 +21,8 @@ use crate::torques::{Box3, gravity_gradient, magnetic};
 /// Streams of the flight's noise; a new source gets a new number.
 const GYRO_STREAM: u64 = 1;
 const MAGNETOMETER_STREAM: u64 = 2;
+const SUN_DIRECTION_STREAM: u64 = 3;
+const SUN_CURRENT_STREAM: u64 = 4;
 
 /// The satellite and everything around it, at one instant.
 #[derive(Debug, Clone)]
@@ -36,6 +39,7 @@ pub struct World {
     gyro: Sensor<GyroAxes>,
     magnetometer: Sensor<MagnetometerAxes>,
     magnetometer_offset: Option<Vector<Body, f64>>,
+    sun_sensors: Option<SunSensors>,
     wiring: DriverBoardConfig,
     full_dipole_am2: [f64; 3],
 }
@@ -118,7 +122,12 @@ impl World {
         let sunlight = nature.sunlight(p.start, surroundings.position)?;
         let gyro = Sensor::new(&p.gyro, Gaussian::new(p.seed, GYRO_STREAM));
         let magnetometer = Sensor::new(&p.magnetometer, Gaussian::new(p.seed, MAGNETOMETER_STREAM));
-        Ok(Self {
+        let sun_sensors = p.sun_sensors.as_ref().map(|truth| {
+            let stream = |stream| Gaussian::new(p.seed, stream);
+            SunSensors::new(truth, stream(SUN_DIRECTION_STREAM), stream(SUN_CURRENT_STREAM))
+                .ok_or(FlightError::Attitude)
+        });
+        let mut world = Self {
             now: p.start,
             step_us: p.step_us,
             nature,
@@ -130,9 +139,18 @@ impl World {
             gyro: gyro.ok_or(FlightError::Attitude)?,
             magnetometer: magnetometer.ok_or(FlightError::Attitude)?,
             magnetometer_offset: p.magnetometer_offset_m.map(vector),
+            sun_sensors: sun_sensors.transpose()?,
             wiring: *wiring,
             full_dipole_am2: p.torquer_full_dipole_am2,
-        })
+        };
+        world.expose_sun_sensors();
+        Ok(world)
+    }
+
+    fn expose_sun_sensors(&mut self) {
+        if let Some(sensors) = &mut self.sun_sensors {
+            sensors.expose(self.motion.r_bi(), &self.sunlight, self.surroundings.position);
+        }
     }
 
     /// The instant at which the world stands.
@@ -152,6 +170,7 @@ impl World {
             left_us -= step_us;
         }
         self.sunlight = self.nature.sunlight(self.now, self.surroundings.position)?;
+        self.expose_sun_sensors();
         Ok(())
     }
 
@@ -183,6 +202,7 @@ impl World {
             field_eci_t: self.surroundings.field_t.to_array(),
             kinetic_energy_j: self.satellite.inertia.kinetic_energy_j(self.motion.omega_bi),
             torquer_dipole_body_am2: self.torquer_dipole_body().to_array(),
+            sun_eci: self.sunlight.direction().to_array(),
             sunlit: self.sunlight.lit > 0.0,
         }
     }
@@ -195,6 +215,11 @@ impl World {
     /// The true geomagnetic field along the magnetometer's axes, T, without the torquers'.
     pub fn exact_field(&self) -> Vector<MagnetometerAxes, f64> {
         self.magnetometer.exact(self.motion.r_bi() * self.surroundings.field_t)
+    }
+
+    /// The photocurrents of the Sun sensors under the Sun alone, A; `None` without Sun sensors.
+    pub fn exact_sun_currents(&self) -> Option<Currents> {
+        self.sun_sensors.as_ref().map(SunSensors::exact)
     }
 
     /// Brings the torquers to this dipole, A·m², at once.
@@ -226,18 +251,39 @@ fn volts(triad: &AnalogTriadConfig, value: f64) -> f64 {
     f64::from(triad.zero_v) + f64::from(triad.sensitivity_v_per_si) * value
 }
 
-impl Plant for World {
-    fn pin_volts(&mut self, channel: u8) -> f64 {
+impl World {
+    /// The voltage of magnetometer or gyro at an input of their converter.
+    fn triad_volts(&mut self, channel: u8) -> Option<f64> {
         let DriverBoardConfig { magnetometer, gyro, .. } = self.wiring;
         if let Some(axis) = axis_on(&magnetometer, channel) {
             let field = self.field_at_magnetometer();
-            volts(&magnetometer, self.magnetometer.shown(axis, field))
-        } else if let Some(axis) = axis_on(&gyro, channel) {
-            volts(&gyro, self.gyro.shown(axis, self.motion.omega_bi))
-        } else {
-            // An input that nothing is wired to.
-            0.0
+            return Some(volts(&magnetometer, self.magnetometer.shown(axis, field)));
         }
+        let axis = axis_on(&gyro, channel)?;
+        Some(volts(&gyro, self.gyro.shown(axis, self.motion.omega_bi)))
+    }
+
+    /// The voltage of a Sun sensor at an input of one of their converters.
+    fn sun_volts(&mut self, converter: u8, channel: u8) -> Option<f64> {
+        let (faces, sensors) = (self.wiring.sun.as_ref()?, self.sun_sensors.as_mut()?);
+        let mut wired = faces.iter().enumerate().filter(|(_, face)| face.converter == converter);
+        let (number, face, electrode) = wired.find_map(|(number, face)| {
+            let electrode = face.channels.iter().position(|&wired| wired == channel)?;
+            Some((number, face, electrode))
+        })?;
+        let current_a = sensors.shown(number, electrode);
+        Some(f64::from(face.dark_v) + f64::from(face.transimpedance_ohm) * current_a)
+    }
+}
+
+impl Plant for World {
+    fn pin_volts(&mut self, converter: Converter, channel: u8) -> f64 {
+        let volts = match converter {
+            Converter::Main => self.triad_volts(channel),
+            Converter::Sun(number) => self.sun_volts(number, channel),
+        };
+        // An input that nothing is wired to.
+        volts.unwrap_or(0.0)
     }
 
     fn set_winding(&mut self, axis: usize, drive: f64) {

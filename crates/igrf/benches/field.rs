@@ -10,13 +10,16 @@ use std::hint::black_box;
 
 fn field(criterion: &mut Criterion) {
     let mut group = cases::group(criterion);
-    for degree in [13, 8, 4] {
+    for degree in [4, 8, 13] {
         cases::ours::<f64>(&mut group, "f64", degree);
         cases::ours::<f32>(&mut group, "f32", degree);
     }
-    cases::ours_geodetic(&mut group);
-    cases::world_magnetic_model(&mut group);
+    cases::ours_many::<f64>(&mut group, "f64");
+    cases::ours_many::<f32>(&mut group, "f32");
     cases::world_magnetic_model_earth_fixed(&mut group);
+    cases::ours_geodetic::<f64>(&mut group, "f64");
+    cases::ours_geodetic::<f32>(&mut group, "f32");
+    cases::world_magnetic_model(&mut group);
 }
 
 fn prepare(criterion: &mut Criterion) {

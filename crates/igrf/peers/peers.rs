@@ -13,9 +13,12 @@ fn field(criterion: &mut Criterion) {
     let mut group = cases::group(criterion);
     cases::ours::<f64>(&mut group, "f64", 13);
     cases::ours::<f32>(&mut group, "f32", 13);
-    cases::ours_geodetic(&mut group);
-    cases::world_magnetic_model(&mut group);
+    cases::ours_many::<f64>(&mut group, "f64");
+    cases::ours_many::<f32>(&mut group, "f32");
     cases::world_magnetic_model_earth_fixed(&mut group);
+    cases::ours_geodetic::<f64>(&mut group, "f64");
+    cases::ours_geodetic::<f32>(&mut group, "f32");
+    cases::world_magnetic_model(&mut group);
     igrf_02(&mut group);
 }
 
@@ -31,7 +34,7 @@ fn igrf_02(group: &mut BenchmarkGroup<'_, WallTime>) {
             (latitude.to_degrees(), longitude.to_degrees(), (1000.0 * position.height_km) as u32)
         })
         .collect();
-    group.bench_function("igrf 0.2, f64, degree 13", |bencher| {
+    group.bench_function("igrf 0.2, f64, degree 13, geodetic", |bencher| {
         bencher.iter(|| {
             for &(latitude, longitude, height_m) in &positions {
                 let field = igrf02::declination(

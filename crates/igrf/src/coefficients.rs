@@ -3,6 +3,7 @@
 use crate::evaluate::{self, DEGREES, ROWS, Scaled, UNIT_KM};
 use crate::generation::{Generation, VALIDITY_YEARS};
 use crate::lanes::Four;
+use crate::many::{self, Block};
 use crate::{DecimalYear, Error, Real, table};
 
 /// The highest degree of the model.
@@ -109,7 +110,7 @@ impl<T: Real> Coefficients<T> {
             let g = *factor * hundredths_nt(n * n - 1);
             *pair = [g, g / (2 * n + 3) as f64].map(T::from_f64);
         }
-        let mut rows = [Four::ZERO; ROWS];
+        let mut rows = [Four::zero(); ROWS];
         let mut rest = rows.as_mut_slice();
         for m in (1..DEGREES).step_by(2) {
             let Some((rows, others)) = rest.split_at_mut_checked(DEGREES - m) else { break };
@@ -157,5 +158,37 @@ impl<T: Real> Coefficients<T> {
     /// [`Error::NotFinite`], [`Error::Radius`].
     pub fn field_ecef_nt(&self, position_km: [T; 3]) -> Result<[T; 3], Error> {
         evaluate::field_nt(usize::from(self.degree), &self.scaled, position_km)
+    }
+
+    /// [`Coefficients::field_ecef_nt`] at each of many positions, in their order: several are
+    /// evaluated side by side. On a PC this takes half the time in `f32`, and four fifths in `f64`
+    /// (built for AVX, half as well).
+    ///
+    /// Each result is what the single evaluation gives, to the bit. A refused position has its
+    /// error in its place, and does not concern the others.
+    ///
+    /// ```
+    /// use igrf::{Coefficients, DecimalYear, Error};
+    ///
+    /// let coefficients = Coefficients::<f64>::at(DecimalYear(2026.5))?;
+    /// let positions_km = [[4200.0, -1300.0, 5400.0], [0.0, 0.0, 6900.0], [0.0, 0.0, 0.0]];
+    /// let mut fields_nt = coefficients.fields_ecef_nt(positions_km);
+    /// assert_eq!(fields_nt.next(), Some(coefficients.field_ecef_nt(positions_km[0])));
+    /// assert_eq!(fields_nt.last(), Some(Err(Error::Radius { radius_km: 0.0 })));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn fields_ecef_nt<I>(
+        &self,
+        positions_km: I,
+    ) -> impl Iterator<Item = Result<[T; 3], Error>> + use<'_, T, I>
+    where
+        I: IntoIterator<Item = [T; 3]>,
+    {
+        many::in_blocks(positions_km, |block| self.block_nt(block))
+    }
+
+    /// The field at [`many::BLOCK`] Earth-fixed positions.
+    pub(crate) fn block_nt(&self, positions_km: Block<[T; 3]>) -> Block<Result<[T; 3], Error>> {
+        evaluate::fields_nt(usize::from(self.degree), &self.scaled, positions_km)
     }
 }

@@ -34,14 +34,17 @@
 //! * the weight n in F costs one addition a term: Σ_n (N+1−n) p_n is the sum of the partial
 //!   sums of p_m … p_N, and n+m+1 = (N+2) − (N+1−n) + m, where the m is Euler's identity for ζᵐ:
 //!   Σ m A_nm (g Re ζᵐ + h Im ζᵐ) = x Σ m A_nm (g Re ζᵐ⁻¹ + …) + y Σ m A_nm (h Re ζᵐ⁻¹ − …);
-//! * two orders go side by side, since A_n,m+1 is needed for both.
+//! * two orders go side by side, since A_n,m+1 is needed for both (`orders.rs`).
+//!
+//! Several positions are evaluated by the same code: where it computes with one number, it then
+//! computes with one for each position (`lanes.rs`). So each has the bits that it has alone.
 //!
 //! Sources: Cunningham (1970), Celestial Mechanics 2, 207–216, and Montenbruck & Gill (2000),
 //! §3.2.4, for solid harmonics in Cartesian form; Pines (1973), AIAA Journal 11, 1508–1511, for
 //! derived Legendre functions and E. The scaling and the order of summation are our own.
 
-use crate::lanes::{Four, Total};
-use crate::{Error, Real};
+use crate::lanes::{Four, Lanes, Number};
+use crate::{Error, Real, orders};
 
 /// Degrees 0 to 13.
 pub(crate) const DEGREES: usize = 14;
@@ -95,55 +98,63 @@ pub(crate) fn field_nt<T: Real>(
     scaled: &Scaled<T>,
     position_km: [T; 3],
 ) -> Result<[T; 3], Error> {
-    let [x, y, z] = position_km.map(|coordinate| coordinate * T::from_f64(1.0 / UNIT_KM));
-    let radius_squared = x * x + y * y + z * z;
-    if !(T::from_f64(in_units_squared(MIN_RADIUS_KM))
-        ..=T::from_f64(in_units_squared(MAX_RADIUS_KM)))
-        .contains(&radius_squared)
-    {
-        return Err(refusal(position_km));
+    let place = Place::new(position_km);
+    if place.is_within_limits(place.radius_squared) {
+        Ok(field_at(degree, scaled, &place))
+    } else {
+        Err(refusal(position_km))
     }
-    let t = T::ONE / radius_squared;
-    // Twice each: one for each of two orders.
-    let steps = T::ORDER_RATIO.map(|ratio| [t * ratio; 2]);
-    let [first_ratio, ..] = T::ORDER_RATIO;
-    let a_00 = t * radius_squared.sqrt();
+}
 
-    let mut column = [T::ZERO; DEGREES];
-    let (d_zonal, e_zonal) =
-        zonal_sums(degree, &scaled.zonal, &mut column, [(t * first_ratio) * a_00, t * z, t]);
-
-    let mut totals = Totals::new(degree, x, y);
-    let mut rows = scaled.rows.as_slice();
-    let mut column = column.as_mut_slice();
-    let mut order = 1;
-    while order < degree {
-        let Some((here, others)) = rows.split_at_checked(DEGREES - order) else { break };
-        let Some(steps) = steps.get(order..) else { break };
-        let Some(here) = here.get(..=degree - order) else { break };
-        add_two_orders(&mut totals, here, column, steps);
-        column = column.get_mut(1..).unwrap_or(&mut []);
-        rows = others;
-        order += 2;
+/// [`field_nt`] at several positions. One that is refused does not concern the others.
+pub(crate) fn fields_nt<T: Real, const W: usize>(
+    degree: usize,
+    scaled: &Scaled<T>,
+    positions_km: [[T; 3]; W],
+) -> [Result<[T; 3], Error>; W] {
+    let place = Place::new([
+        Lanes(positions_km.map(|[x, _, _]| x)),
+        Lanes(positions_km.map(|[_, y, _]| y)),
+        Lanes(positions_km.map(|[_, _, z]| z)),
+    ]);
+    // What comes of a refused position is not looked at.
+    let [Lanes(x), Lanes(y), Lanes(z)] = field_at(degree, scaled, &place);
+    let Lanes(radii_squared) = place.radius_squared;
+    let mut fields = [Err(Error::NotFinite); W];
+    let results = fields.iter_mut().zip(positions_km).zip(radii_squared).zip(x).zip(y).zip(z);
+    for (((((field, position_km), radius_squared), x), y), z) in results {
+        *field = if place.is_within_limits(radius_squared) {
+            Ok([x, y, z])
+        } else {
+            Err(refusal(position_km))
+        };
     }
-    let mut sums = totals.values();
-    // The last order of an odd degree has no partner, and one coefficient.
-    if let (true, Some(Four([g, _, h, _])), Some(a)) =
-        (order == degree, rows.first(), column.first())
-    {
-        let Four([re_below, _, im_below, _]) = totals.power_below;
-        let (c, s) = (*g * *a, *h * *a);
-        let along = c * re_below + s * im_below;
-        let across = s * re_below - c * im_below;
-        sums.gradient_x += totals.order * along;
-        sums.gradient_y += totals.order * across;
-        sums.f += (totals.order + T::ONE) * (x * along + y * across);
+    fields
+}
+
+/// A position in units of [`UNIT_KM`].
+struct Place<V> {
+    x: V,
+    y: V,
+    z: V,
+    radius_squared: V,
+}
+
+impl<V: Number> Place<V> {
+    #[inline(always)]
+    fn new(position_km: [V; 3]) -> Self {
+        let unit = V::all(V::Real::from_f64(1.0 / UNIT_KM));
+        let [x, y, z] = position_km.map(|coordinate| coordinate * unit);
+        Self { x, y, z, radius_squared: x * x + y * y + z * z }
     }
 
-    let f = sums.f + (x * sums.gradient_x + y * sums.gradient_y);
-    let e = e_zonal + t * (f + z * sums.d);
-    let d = d_zonal + sums.d;
-    Ok([x * e - sums.gradient_x, y * e - sums.gradient_y, z * e - d])
+    /// Whether a position with this r² is between the radii that are not refused. NaN is not.
+    #[inline(always)]
+    fn is_within_limits(&self, radius_squared: V::Real) -> bool {
+        let [least, greatest] = [MIN_RADIUS_KM, MAX_RADIUS_KM]
+            .map(|radius_km| V::Real::from_f64(in_units_squared(radius_km)));
+        (least..=greatest).contains(&radius_squared)
+    }
 }
 
 const fn in_units_squared(radius_km: f64) -> f64 {
@@ -160,153 +171,47 @@ fn refusal<T: Real>(position_km: [T; 3]) -> Error {
     Error::Radius { radius_km: libm::hypot(libm::hypot(x, y), z) }
 }
 
+/// The field in nT, at one position or at several.
+#[inline(always)]
+fn field_at<V: Number>(degree: usize, scaled: &Scaled<V::Real>, place: &Place<V>) -> [V; 3] {
+    let &Place { x, y, z, radius_squared } = place;
+    let t = V::all(V::Real::ONE) / radius_squared;
+    let mut steps = [V::zero(); DEGREES];
+    for (step, &ratio) in steps.iter_mut().zip(&V::Real::ORDER_RATIO) {
+        *step = t * V::all(ratio);
+    }
+    let [first_step, ..] = steps;
+    let a_11 = first_step * (t * radius_squared.square_root());
+
+    let mut column = [V::zero(); DEGREES];
+    let (d_zonal, e_zonal) = zonal_sums(degree, &scaled.zonal, &mut column, [a_11, t * z, t]);
+
+    let sums = orders::sums(degree, [x, y], &scaled.rows, &mut column, &steps);
+
+    let e = e_zonal + t * (sums.f + z * sums.d);
+    let d = d_zonal + sums.d;
+    [x * e - sums.gradient_x, y * e - sums.gradient_y, z * e - d]
+}
+
 /// The share of order 0 in D and E; leaves A_n,1 for n = 1 … `degree` in `column`.
 #[inline(always)]
-fn zonal_sums<T: Real>(
+fn zonal_sums<V: Number>(
     degree: usize,
-    coefficients: &[[T; 2]; DEGREES - 1],
-    column: &mut [T; DEGREES],
-    [a_11, t_z, t]: [T; 3],
-) -> (T, T) {
-    let [_, ratios @ ..] = &T::DEGREE_RATIO;
-    let [_, ratios_before @ ..] = &T::DEGREE_RATIO_BEFORE;
-    let (mut a, mut a_before) = (a_11, T::ZERO);
-    let (mut d, mut e) = (T::ZERO, T::ZERO);
+    coefficients: &[[V::Real; 2]; DEGREES - 1],
+    column: &mut [V; DEGREES],
+    [a_11, t_z, t]: [V; 3],
+) -> (V, V) {
+    let [_, ratios @ ..] = &V::Real::DEGREE_RATIO;
+    let [_, ratios_before @ ..] = &V::Real::DEGREE_RATIO_BEFORE;
+    let (mut a, mut a_before) = (a_11, V::zero());
+    let (mut d, mut e) = (V::zero(), V::zero());
     let degrees = coefficients.iter().zip(column).zip(ratios).zip(ratios_before);
     for (((&[g, g_of_e], slot), &ratio), &ratio_before) in degrees.take(degree) {
         *slot = a;
-        let a_next = (t_z * ratio) * a - (t * ratio_before) * a_before;
-        d += g * a;
-        e += g_of_e * a_next;
+        let a_next = (t_z * V::all(ratio)) * a - (t * V::all(ratio_before)) * a_before;
+        d += V::all(g) * a;
+        e += V::all(g_of_e) * a_next;
         (a, a_before) = (a_next, a);
     }
     (d, e)
-}
-
-/// Sums over all orders from 1, and where they are.
-///
-/// In the order in which a compiler can treat the four lanes of each as one vector.
-#[repr(C)]
-struct Totals<T: Real> {
-    /// Re ζᵐ⁻¹, Re ζᵐ, Im ζᵐ⁻¹, Im ζᵐ.
-    power_below: Four<T>,
-    gradient_x: T::Total,
-    gradient_y: T::Total,
-    d: T::Total,
-    f: T::Total,
-    /// ζ², by which the powers go from one pair of orders to the next.
-    square: [T; 2],
-    /// m of the next pair of orders m, m+1.
-    order: T,
-    /// N+2.
-    degree_plus_2: T,
-}
-
-/// The sums of [`Totals`] over their lanes.
-struct Sums<T> {
-    gradient_x: T,
-    gradient_y: T,
-    d: T,
-    f: T,
-}
-
-impl<T: Real> Totals<T> {
-    #[inline(always)]
-    fn new(degree: usize, x: T, y: T) -> Self {
-        Self {
-            power_below: Four([T::ONE, x, T::ZERO, y]),
-            gradient_x: T::Total::ZERO,
-            gradient_y: T::Total::ZERO,
-            d: T::Total::ZERO,
-            f: T::Total::ZERO,
-            square: [x * x - y * y, (x + x) * y],
-            order: T::ONE,
-            degree_plus_2: T::from_f64((degree + 2) as f64),
-        }
-    }
-
-    /// Multiplies the sums over n of two orders by ζᵐ, and adds them.
-    #[inline(always)]
-    fn add(&mut self, sums: &OrderSums<T>) {
-        let [re, im] = self.square;
-        let below = self.power_below;
-        let next = Four::all(re) * below + Four([-im, -im, im, im]) * below.swapped();
-        let (Four([_, re_0, _, im_0]), Four([re_1, _, im_1, _])) = (below, next);
-        let here = Four([re_0, re_1, im_0, im_1]);
-        let (m, m_plus_1) = (self.order, self.order + T::ONE);
-        let m_below = Four([m, m_plus_1, m, m_plus_1]) * below;
-
-        self.gradient_x.add(sums.plain * m_below);
-        self.gradient_y.add_h_minus_g(sums.plain * m_below.swapped());
-        self.d.add(sums.raised * here);
-        self.f.add((Four::all(self.degree_plus_2) * sums.plain - sums.partial) * here);
-
-        self.power_below = next;
-        self.order = m_plus_1 + T::ONE;
-    }
-
-    #[inline(always)]
-    fn values(&self) -> Sums<T> {
-        Sums {
-            gradient_x: self.gradient_x.value(),
-            gradient_y: self.gradient_y.value(),
-            d: self.d.value(),
-            f: self.f.value(),
-        }
-    }
-}
-
-/// Sums over n of two orders m, m+1, for g and for h.
-struct OrderSums<T> {
-    /// Σ g A_nm.
-    plain: Four<T>,
-    /// Sum of the partial sums of g A_nm.
-    partial: Four<T>,
-    /// Σ g A_n,m+1.
-    raised: Four<T>,
-    /// A_n,m+1 and A_n,m+2 for the next n.
-    next: [T; 2],
-    /// The same for the n before.
-    before: [T; 2],
-}
-
-impl<T: Real> OrderSums<T> {
-    const ZERO: Self = Self {
-        plain: Four::ZERO,
-        partial: Four::ZERO,
-        raised: Four::ZERO,
-        next: [T::ZERO; 2],
-        before: [T::ZERO; 2],
-    };
-
-    /// Adds one n, given A_nm, and returns A_n+1,m+2.
-    #[inline(always)]
-    fn add(&mut self, row: Four<T>, [step_1, step_2]: [T; 2], a: T) -> T {
-        let ([a_1, a_2], [before_1, before_2]) = (self.next, self.before);
-        self.plain += row * Four([a, a_1, a, a_1]);
-        self.partial += self.plain;
-        self.raised += row * Four([a_1, a_2, a_1, a_2]);
-        self.before = self.next;
-        self.next = [step_1 * (before_1 + a), step_2 * (before_2 + a_1)];
-        let [_, raised_twice] = self.next;
-        raised_twice
-    }
-}
-
-/// Adds the orders m and m+1 to `totals`, and replaces A_nm for n = m, m+1, … in `column` by
-/// A_n+1,m+2, so that the next pair of orders begins one place further on.
-///
-/// Out of line: once in memory, the totals are what the compiler forms its vectors from.
-#[inline(never)]
-fn add_two_orders<T: Real>(
-    totals: &mut Totals<T>,
-    rows: &[Four<T>],
-    column: &mut [T],
-    steps: &[[T; 2]],
-) {
-    let mut sums = OrderSums::ZERO;
-    for ((&row, slot), &step) in rows.iter().zip(column).zip(steps) {
-        *slot = sums.add(row, step, *slot);
-    }
-    totals.add(&sums);
 }

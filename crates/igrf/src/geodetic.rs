@@ -1,5 +1,6 @@
 //! The field at geocentric spherical and at geodetic positions.
 
+use crate::many::{self, BLOCK, Block};
 use crate::{Coefficients, Error, Real};
 
 /// Semi-major axis of the WGS84 ellipsoid, km (NIMA TR8350.2, table 3.1).
@@ -102,6 +103,56 @@ impl<T: Real> Coefficients<T> {
         &self,
         position: GeodeticPosition<T>,
     ) -> Result<GeodeticField<T>, Error> {
+        let place = GeodeticPlace::new(position)?;
+        self.field_ecef_nt(place.position_km).map(|field_nt| place.local(field_nt))
+    }
+
+    /// [`Coefficients::field_geodetic_nt`] at each of many positions, in their order and to the
+    /// bit; the rest is said at [`Coefficients::fields_ecef_nt`].
+    pub fn fields_geodetic_nt<I>(
+        &self,
+        positions: I,
+    ) -> impl Iterator<Item = Result<GeodeticField<T>, Error>> + use<'_, T, I>
+    where
+        I: IntoIterator<Item = GeodeticPosition<T>>,
+    {
+        many::in_blocks(positions, |block| self.geodetic_block_nt(block))
+    }
+
+    fn geodetic_block_nt(
+        &self,
+        block: Block<GeodeticPosition<T>>,
+    ) -> Block<Result<GeodeticField<T>, Error>> {
+        let places = block.map(GeodeticPlace::new);
+        // Where a position is refused already, the field at the centre is, and is not looked at.
+        let mut positions_km = [[T::ZERO; 3]; BLOCK];
+        for (position_km, place) in positions_km.iter_mut().zip(&places) {
+            if let Ok(place) = place {
+                *position_km = place.position_km;
+            }
+        }
+        let mut fields = [Err(Error::NotFinite); BLOCK];
+        for ((field, place), field_nt) in
+            fields.iter_mut().zip(places).zip(self.block_nt(positions_km))
+        {
+            *field = place.and_then(|place| Ok(place.local(field_nt?)));
+        }
+        fields
+    }
+}
+
+/// A position over the ellipsoid, Earth fixed, and the axes there.
+#[derive(Clone, Copy)]
+struct GeodeticPlace<T> {
+    position_km: [T; 3],
+    meridian: Meridian<T>,
+    sin_phi: T,
+    cos_phi: T,
+}
+
+impl<T: Real> GeodeticPlace<T> {
+    #[inline(always)]
+    fn new(position: GeodeticPosition<T>) -> Result<Self, Error> {
         let GeodeticPosition { latitude_rad, longitude_rad, height_km } = position;
         require_finite([latitude_rad, longitude_rad, height_km])?;
         if !(-T::HALF_PI..=T::HALF_PI).contains(&latitude_rad) {
@@ -115,18 +166,26 @@ impl<T: Real> Coefficients<T> {
             T::from_f64(WGS84_SEMI_MAJOR_AXIS_KM) / (T::ONE - e2 * sin_phi * sin_phi).sqrt();
         let from_axis = (prime_vertical_km + height_km) * cos_phi;
         let along_axis = ((T::ONE - e2) * prime_vertical_km + height_km) * sin_phi;
-        let field_nt = self.field_ecef_nt(meridian.position(from_axis, along_axis))?;
-        let [outward, east, along_axis] = meridian.cylindrical(field_nt);
-        Ok(GeodeticField {
+        let position_km = meridian.position(from_axis, along_axis);
+        Ok(Self { position_km, meridian, sin_phi, cos_phi })
+    }
+
+    /// North, east and down of an Earth-fixed field.
+    #[inline(always)]
+    fn local(&self, field_nt: [T; 3]) -> GeodeticField<T> {
+        let [outward, east, along_axis] = self.meridian.cylindrical(field_nt);
+        let Self { sin_phi, cos_phi, .. } = *self;
+        GeodeticField {
             north_nt: cos_phi * along_axis - sin_phi * outward,
             east_nt: east,
             down_nt: -(cos_phi * outward + sin_phi * along_axis),
-        })
+        }
     }
 }
 
 /// The half plane of one longitude. It has a direction at the poles too, which is what makes
 /// the local axes there well defined.
+#[derive(Clone, Copy)]
 struct Meridian<T> {
     sin: T,
     cos: T,

@@ -1,8 +1,111 @@
-//! Four numbers side by side: g and h of two neighbouring orders.
+//! Numbers side by side: of several positions, and g and h of two neighbouring orders.
 
-use core::ops::{Add, AddAssign, Mul, Sub};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use crate::Real;
+use crate::orders::Totals;
+
+/// What the evaluation computes with: one number, or one for each of several positions.
+pub trait Number:
+    Copy
+    + Add<Output = Self>
+    + AddAssign
+    + Div<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Sub<Output = Self>
+{
+    /// The type of one number, and of the coefficients.
+    type Real: Real;
+
+    /// The same number for each position.
+    fn all(value: Self::Real) -> Self;
+
+    /// Square root.
+    fn square_root(self) -> Self;
+
+    /// What [`Totals`] does for each pair of orders, in the way that suits the registers.
+    fn add_two_orders(
+        totals: &mut Totals<Self>,
+        rows: &[Four<Self::Real>],
+        column: &mut [Self],
+        steps: &[Self],
+    );
+
+    /// 0 for each position.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::all(Self::Real::ZERO)
+    }
+}
+
+/// Numbers of `W` positions. Operations act on each lane as they do on a number alone, so each
+/// lane has the bits that it would have alone.
+#[derive(Clone, Copy)]
+#[repr(align(16))]
+pub struct Lanes<T, const W: usize>(pub(crate) [T; W]);
+
+impl<T: Real, const W: usize> Number for Lanes<T, W> {
+    type Real = T;
+
+    #[inline(always)]
+    fn all(value: T) -> Self {
+        Self([value; W])
+    }
+
+    #[inline(always)]
+    fn square_root(self) -> Self {
+        Self(self.0.map(T::square_root))
+    }
+
+    #[inline(always)]
+    fn add_two_orders(
+        totals: &mut Totals<Self>,
+        rows: &[Four<Self::Real>],
+        column: &mut [Self],
+        steps: &[Self],
+    ) {
+        totals.add_in_turn(rows, column, steps);
+    }
+}
+
+impl<T: Real, const W: usize> Neg for Lanes<T, W> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(T::neg))
+    }
+}
+
+impl<T: Real, const W: usize> AddAssign for Lanes<T, W> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+macro_rules! position_by_position {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl<T: Real, const W: usize> $trait for Lanes<T, W> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                let Self(mut lanes) = self;
+                for (lane, (a, b)) in lanes.iter_mut().zip(self.0.into_iter().zip(other.0)) {
+                    *lane = a $operator b;
+                }
+                Self(lanes)
+            }
+        }
+    };
+}
+
+position_by_position!(Add, add, +);
+position_by_position!(Sub, sub, -);
+position_by_position!(Mul, mul, *);
+position_by_position!(Div, div, /);
 
 /// What the evaluation does to g and h of an order m and of the order m+1, at once:
 /// lanes (g_m, g_m+1, h_m, h_m+1). Operations act on each lane.
@@ -12,8 +115,18 @@ use crate::Real;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Four<T>(pub(crate) [T; 4]);
 
-impl<T: Real> Four<T> {
-    pub(crate) const ZERO: Self = Self([T::ZERO; 4]);
+impl<T: Number> Four<T> {
+    /// All lanes zero.
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self([T::zero(); 4])
+    }
+
+    /// The same coefficients for each position.
+    #[inline(always)]
+    pub(crate) fn of(Four(row): Four<T::Real>) -> Self {
+        Self(row.map(T::all))
+    }
 
     /// All lanes the same.
     #[inline(always)]
@@ -31,7 +144,7 @@ impl<T: Real> Four<T> {
 
 macro_rules! lane_by_lane {
     ($trait:ident, $method:ident, $operator:tt) => {
-        impl<T: Real> $trait for Four<T> {
+        impl<T: Number> $trait for Four<T> {
             type Output = Self;
 
             #[inline(always)]
@@ -47,7 +160,7 @@ lane_by_lane!(Add, add, +);
 lane_by_lane!(Sub, sub, -);
 lane_by_lane!(Mul, mul, *);
 
-impl<T: Real> AddAssign for Four<T> {
+impl<T: Number> AddAssign for Four<T> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
@@ -58,7 +171,7 @@ impl<T: Real> AddAssign for Four<T> {
 /// for f32 and one for f64.
 pub trait Total<T>: Copy {
     /// Nothing summed yet.
-    const ZERO: Self;
+    fn zero() -> Self;
 
     /// Adds all lanes.
     fn add(&mut self, term: Four<T>);
@@ -70,8 +183,11 @@ pub trait Total<T>: Copy {
     fn value(&self) -> T;
 }
 
-impl<T: Real> Total<T> for Four<T> {
-    const ZERO: Self = Self([T::ZERO; 4]);
+impl<T: Number> Total<T> for Four<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::zero()
+    }
 
     #[inline(always)]
     fn add(&mut self, term: Four<T>) {
@@ -94,8 +210,11 @@ impl<T: Real> Total<T> for Four<T> {
 #[derive(Clone, Copy)]
 pub struct Two<T>([T; 2]);
 
-impl<T: Real> Total<T> for Two<T> {
-    const ZERO: Self = Self([T::ZERO; 2]);
+impl<T: Number> Total<T> for Two<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self([T::zero(); 2])
+    }
 
     #[inline(always)]
     fn add(&mut self, Four([a, b, c, d]): Four<T>) {

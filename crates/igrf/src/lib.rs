@@ -18,6 +18,8 @@ mod evaluate;
 mod generation;
 mod geodetic;
 mod lanes;
+mod many;
+mod orders;
 mod real;
 mod table;
 #[cfg(feature = "uplink")]

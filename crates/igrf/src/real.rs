@@ -3,7 +3,8 @@
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use crate::evaluate::{DEGREES, degree_ratio, degree_ratio_before, order_ratio};
-use crate::lanes::{Four, Total, Two};
+use crate::lanes::{Four, Number, Total, Two};
+use crate::orders::Totals;
 
 /// A floating-point type in which the field can be evaluated: `f32` or `f64`.
 ///
@@ -21,6 +22,7 @@ pub trait Real:
     + Mul<Output = Self>
     + Neg<Output = Self>
     + Sub<Output = Self>
+    + Number<Real = Self>
     + 'static
 {
     /// 0.
@@ -42,7 +44,7 @@ pub trait Real:
     const DEGREE_RATIO_BEFORE: [Self; DEGREES];
     /// How sums over all orders are kept.
     #[doc(hidden)]
-    type Total: Total<Self>;
+    type Total<V: Number<Real = Self>>: Total<V>;
 
     /// The nearest value to `value`.
     fn from_f64(value: f64) -> Self;
@@ -64,6 +66,30 @@ mod sealed {
 
 macro_rules! real {
     ($type:ident, $sqrt:path, $sincos:path, $total:ident) => {
+        impl Number for $type {
+            type Real = Self;
+
+            #[inline(always)]
+            fn all(value: Self) -> Self {
+                value
+            }
+            // Out of line: in a build for AVX, libm's instruction has the encoding of SSE, and that
+            // costs 130 ns amid wide registers. They are left behind at a call.
+            #[inline(never)]
+            fn square_root(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn add_two_orders(
+                totals: &mut Totals<Self>,
+                rows: &[Four<Self>],
+                column: &mut [Self],
+                steps: &[Self],
+            ) {
+                totals.add_at_once(rows, column, steps);
+            }
+        }
+
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -72,7 +98,7 @@ macro_rules! real {
             const ORDER_RATIO: [Self; DEGREES] = table!($type, order_ratio);
             const DEGREE_RATIO: [Self; DEGREES] = table!($type, degree_ratio);
             const DEGREE_RATIO_BEFORE: [Self; DEGREES] = table!($type, degree_ratio_before);
-            type Total = $total<Self>;
+            type Total<V: Number<Real = Self>> = $total<V>;
 
             fn from_f64(value: f64) -> Self {
                 value as $type

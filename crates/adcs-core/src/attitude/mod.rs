@@ -32,6 +32,7 @@
 
 mod davenport;
 pub mod dynamic;
+pub mod field_rate;
 mod foam;
 mod information;
 pub mod mekf;
@@ -40,6 +41,7 @@ mod optimum;
 mod problem;
 mod q_method;
 mod quest;
+pub mod selection;
 mod triad;
 
 use core::fmt;

@@ -9,3 +9,4 @@ pub mod geodetic;
 pub mod solar_time;
 pub mod sun;
 pub mod sun_track;
+pub mod sunlight;

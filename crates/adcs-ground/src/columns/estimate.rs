@@ -1,8 +1,8 @@
 //! Attitude and gyro bias from gyro, field and Sun over time.
 
-use adcs_core::attitude::mekf::{
-    FieldPair, FilterEstimate, Innovation, Inputs, Mekf, MekfState, Source, SunPair,
-};
+use adcs_core::attitude::dynamic::DynamicInputs;
+use adcs_core::attitude::mekf::{FieldPair, Innovation, Inputs, Source, SunPair};
+use adcs_core::attitude::selection::{AttitudeSource, Determination, Estimator, EstimatorState};
 use adcs_core::frames::Vector;
 use adcs_core::reading::{MissingReason, Reading};
 use nalgebra::convert;
@@ -15,11 +15,14 @@ use crate::table::{Cells, Column, Failure, Header, Problem, Row, RowCommand};
 const SAME_INSTANT_S: f64 = 1e-6;
 /// Tesla in a nanotesla.
 const T_PER_NT: f64 = 1e-9;
+/// Metres in a kilometre.
+const M_PER_KM: f64 = 1e3;
 
 /// What the models say for one instant, in Eci.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
     t_s: f64,
+    position_km: Option<[f64; 3]>,
     field_nt: Option<[f64; 3]>,
     sun: Option<[f64; 3]>,
     eclipse: bool,
@@ -36,10 +39,15 @@ impl Reference {
         let mut clock = Clock::bind(header)?;
         let field = header.columns(["B_teme_x_nT", "B_teme_y_nT", "B_teme_z_nT"])?;
         let sun = header.columns(["sun_teme_x", "sun_teme_y", "sun_teme_z"])?;
+        let position = header.optional_columns(["r_teme_x_km", "r_teme_y_km", "r_teme_z_km"])?;
         let eclipse = header.optional("eclipse")?;
         Ok(move |row: Row<'_>| {
             let reference = Self {
                 t_s: clock.read(row)?,
+                position_km: match position {
+                    Some(position) => reading(row, position)?,
+                    None => None,
+                },
                 field_nt: reading(row, field)?,
                 sun: reading(row, sun)?,
                 eclipse: flag(row, eclipse)?.unwrap_or(false),
@@ -50,7 +58,7 @@ impl Reference {
     }
 }
 
-/// [`RowCommand`] of `adcs estimate` with the MEKF, in the precision `T`.
+/// [`RowCommand`] of `adcs estimate`, in the precision `T`.
 #[derive(Debug)]
 pub struct Estimate<T: Precision> {
     clock: Clock,
@@ -60,8 +68,9 @@ pub struct Estimate<T: Precision> {
     sun_valid: Option<Column>,
     left_out: Vec<Column>,
     references: Vec<Reference>,
-    mekf: Mekf<T>,
-    state: MekfState<T>,
+    torquers: Option<[Column; 3]>,
+    estimator: Estimator<T>,
+    state: EstimatorState<T>,
 }
 
 impl<T: Precision> Estimate<T> {
@@ -72,7 +81,7 @@ impl<T: Precision> Estimate<T> {
     pub fn bind(
         header: &Header,
         references: Vec<Reference>,
-        (mekf, state): (Mekf<T>, MekfState<T>),
+        (estimator, state): (Estimator<T>, EstimatorState<T>),
     ) -> Result<Self, Failure> {
         let gyro = header.columns(["gyro_x_rad_s", "gyro_y_rad_s", "gyro_z_rad_s"])?;
         let field = header.columns(["mag_x_nT", "mag_y_nT", "mag_z_nT"])?;
@@ -81,8 +90,21 @@ impl<T: Precision> Estimate<T> {
         let face = header.optional("sun_face_0px_1mx_2py_3my_4pz_5mz")?;
         let left_out =
             [gyro, field, sun].into_iter().flatten().chain(sun_valid).chain(face).collect();
+        let torquers =
+            header.optional_columns(["torquer_x_am2", "torquer_y_am2", "torquer_z_am2"])?;
         let clock = Clock::bind(header)?;
-        Ok(Self { clock, gyro, field, sun, sun_valid, left_out, references, mekf, state })
+        Ok(Self {
+            clock,
+            gyro,
+            field,
+            sun,
+            sun_valid,
+            left_out,
+            references,
+            torquers,
+            estimator,
+            state,
+        })
     }
 
     /// What the models say for this instant.
@@ -91,7 +113,7 @@ impl<T: Precision> Estimate<T> {
         self.references.get(at).filter(|it| it.t_s <= t_s + SAME_INSTANT_S)
     }
 
-    fn inputs(&self, row: Row<'_>, t_s: f64) -> Result<Inputs<T>, Problem> {
+    fn inputs(&self, row: Row<'_>, t_s: f64) -> Result<DynamicInputs<T>, Problem> {
         let gyro = match reading(row, self.gyro)? {
             Some(rate) => Reading::Fresh(vector(rate)),
             None => Reading::Missing(MissingReason::NotFinite),
@@ -104,7 +126,7 @@ impl<T: Precision> Estimate<T> {
         let field = field_b.zip(reference.and_then(|it| it.field_nt));
         let lit = reference.filter(|it| !it.eclipse);
         let sun = sun_b.zip(lit.and_then(|it| it.sun));
-        Ok(Inputs {
+        let sensors = Inputs {
             dt_s: convert(self.clock.since_last(t_s)),
             gyro,
             field: field.map(|(body, eci)| FieldPair {
@@ -114,6 +136,21 @@ impl<T: Precision> Estimate<T> {
             sun: sun.and_then(|(body, eci)| {
                 Some(SunPair { body: vector(body).direction()?, eci: vector(eci).direction()? })
             }),
+        };
+        let torquers = match self.torquers {
+            Some(columns) => reading(row, columns)?.unwrap_or_default(),
+            None => [0.0; 3],
+        };
+        Ok(DynamicInputs {
+            sensors,
+            reference_field: reference
+                .and_then(|it| it.field_nt)
+                .map(|field| vector(field.map(|nt| nt * T_PER_NT))),
+            position: reference
+                .and_then(|it| it.position_km)
+                .map(|position| vector(position.map(|km| km * M_PER_KM))),
+            torquer_dipole: vector(torquers),
+            sunlit: reference.map(|it| !it.eclipse),
         })
     }
 }
@@ -146,18 +183,8 @@ impl<T: Precision> RowCommand for Estimate<T> {
         let t_s = self.clock.read(row)?;
         let inputs = self.inputs(row, t_s)?;
         self.clock.advance(t_s);
-        let output = self.mekf.cycle(&mut self.state, &inputs);
-        match &output.estimate {
-            Some(estimate) => write_estimate(estimate, cells),
-            None => (0..10).for_each(|_| cells.nan()),
-        }
-        for innovation in [output.field, output.sun] {
-            match innovation {
-                Some(Innovation { nis, .. }) => nis.write(cells),
-                None => cells.nan(),
-            }
-        }
-        cells.text(output.estimate.map_or("none", |estimate| source_name(estimate.source)));
+        let determination = self.estimator.cycle(&mut self.state, &inputs);
+        Chosen::of(&determination).write(cells);
         cells.text("");
         Ok(())
     }
@@ -169,14 +196,55 @@ impl<T: Precision> RowCommand for Estimate<T> {
     }
 }
 
-fn write_estimate<T: Precision>(estimate: &FilterEstimate<T>, cells: &mut Cells) {
-    for value in estimate.r_bi.attitude_quaternion() {
-        value.write(cells);
-    }
-    for vector in [estimate.gyro_bias, estimate.attitude_sigma_rad] {
-        for value in vector.to_array() {
-            value.write(cells);
+/// What the satellite would believe, and the innovations of the filter that it comes from.
+struct Chosen<T: Precision> {
+    /// q, bias, σ.
+    numbers: Option<([T; 4], [T; 3], [T; 3])>,
+    innovations: [Option<Innovation<T>>; 2],
+    source: &'static str,
+}
+
+impl<T: Precision> Chosen<T> {
+    fn of(determination: &Determination<T>) -> Self {
+        let Determination { attitude, mekf, dynamic, .. } = determination;
+        let is_dynamic = attitude.is_some_and(|it| it.source == AttitudeSource::Dynamic);
+        if let Some(estimate) = dynamic.estimate.as_ref().filter(|_| is_dynamic) {
+            let sigma = estimate.attitude_covariance.diagonal().map(|it| it.sqrt());
+            return Self {
+                numbers: Some((
+                    estimate.r_bi.attitude_quaternion(),
+                    estimate.gyro_bias.to_array(),
+                    sigma.into(),
+                )),
+                innovations: [dynamic.field, dynamic.sun],
+                source: "dynamic",
+            };
         }
+        let numbers = mekf.estimate.as_ref().map(|estimate| {
+            (
+                estimate.r_bi.attitude_quaternion(),
+                estimate.gyro_bias.to_array(),
+                estimate.attitude_sigma_rad.to_array(),
+            )
+        });
+        let source = mekf.estimate.as_ref().map_or("none", |estimate| source_name(estimate.source));
+        Self { numbers, innovations: [mekf.field, mekf.sun], source }
+    }
+
+    fn write(&self, cells: &mut Cells) {
+        match &self.numbers {
+            Some((q, bias, sigma)) => {
+                q.iter().chain(bias).chain(sigma).for_each(|value| value.write(cells));
+            }
+            None => (0..10).for_each(|_| cells.nan()),
+        }
+        for innovation in self.innovations {
+            match innovation {
+                Some(Innovation { nis, .. }) => nis.write(cells),
+                None => cells.nan(),
+            }
+        }
+        cells.text(self.source);
     }
 }
 

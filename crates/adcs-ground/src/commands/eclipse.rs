@@ -8,10 +8,10 @@ use adcs_core::orbit::OrbitModel;
 use adcs_core::time::Utc;
 use adcs_ground::shadow::ShadowSearch;
 use adcs_ground::table::Tally;
-use adcs_ground::tle_file;
-use clap::ValueEnum;
+use anyhow::Context as _;
+use clap::{ArgGroup, ValueEnum};
 
-use super::files::{LenientArgs, OutputArgs, exit_code, span};
+use super::files::{LenientArgs, OutputArgs, elements, exit_code, span};
 
 const HELP: &str = "\
 Writes, in order of time,
@@ -33,11 +33,18 @@ found until then is written), 2 nothing could be done.";
 
 /// Entries into and exits from the Earth's shadow along an orbit
 #[derive(Debug, clap::Args)]
-#[command(after_help = HELP)]
+#[command(
+    after_help = HELP,
+    group = ArgGroup::new("orbit").args(["tle", "omm"]).required(true)
+)]
 pub struct Args {
     /// A file with one TLE; - is standard input
     #[arg(long, value_name = "FILE")]
-    tle: PathBuf,
+    tle: Option<PathBuf>,
+
+    /// Instead of a TLE, a file with one OMM (CCSDS 502.0-B, in KEY = VALUE notation)
+    #[arg(long, value_name = "FILE", conflicts_with = "lenient")]
+    omm: Option<PathBuf>,
 
     /// First instant (UTC), as 2015-11-19T03:00:00Z
     #[arg(long, value_name = "UTC", value_parser = Utc::parse)]
@@ -83,7 +90,9 @@ pub fn run(args: &Args) -> ExitCode {
 
 fn work(args: &Args) -> anyhow::Result<Tally> {
     let span = span(args.from, args.to)?;
-    let orbit = OrbitModel::new(&tle_file::load(&args.tle, args.lenient.checksum())?)?;
+    let elements = elements(args.tle.as_deref(), args.omm.as_deref(), args.lenient.checksum())?
+        .context("neither --tle nor --omm")?;
+    let orbit = OrbitModel::new(&elements)?;
     let search = ShadowSearch { orbit: &orbit, span, shape: args.earth.into() };
     search.write(&args.output.path)
 }

@@ -1,13 +1,15 @@
 //! The arguments and exit codes that the commands on tables have in common.
 
 use std::io::{self, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_core::time::Utc;
+use adcs_ground::omm_file;
 use adcs_ground::span::Span;
 use adcs_ground::table::Tally;
-use adcs_ground::tle_file::Checksum;
+use adcs_ground::tle_file::{self, Checksum};
+use sgp4_lite::Elements;
 
 /// The help of a command on tables: its own part, then what all of them have in common.
 macro_rules! table_help {
@@ -63,6 +65,19 @@ pub struct LenientArgs {
 impl LenientArgs {
     pub fn checksum(&self) -> Checksum {
         if self.lenient { Checksum::Ignore } else { Checksum::Verify }
+    }
+}
+
+/// The elements of one orbit, from the file that --tle or --omm names, if either does.
+pub fn elements(
+    tle: Option<&Path>,
+    omm: Option<&Path>,
+    checksum: Checksum,
+) -> anyhow::Result<Option<Elements>> {
+    match (tle, omm) {
+        (Some(file), _) => tle_file::load(file, checksum).map(Some),
+        (None, Some(file)) => omm_file::load(file).map(Some),
+        (None, None) => Ok(None),
     }
 }
 

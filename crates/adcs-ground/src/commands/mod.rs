@@ -10,7 +10,7 @@ pub mod fly;
 pub mod frames;
 pub mod mission;
 pub mod propagate;
-pub mod study;
 pub mod report;
+pub mod study;
 pub mod sun;
 pub mod tle;

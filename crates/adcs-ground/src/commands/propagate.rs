@@ -8,9 +8,9 @@ use adcs_ground::columns::propagate::Propagate;
 use adcs_ground::ephemeris::Ephemeris;
 use adcs_ground::span::step_micros;
 use adcs_ground::table::{self, Tally};
-use adcs_ground::tle_file;
+use clap::ArgGroup;
 
-use super::files::{LenientArgs, OutputArgs, exit_code, span, table_help};
+use super::files::{LenientArgs, OutputArgs, elements, exit_code, span, table_help};
 
 const HELP: &str = table_help!(
     "\
@@ -23,7 +23,7 @@ and writes the other columns of the input (id, tsince_min, ...), and behind them
   vx_teme_km_s, vy_teme_km_s, vz_teme_km_s    velocity in TEME, nan with an error
   message           the error in words
 
-With --tle, writes one row every --step seconds from --from to --to:
+With --tle or --omm, writes one row every --step seconds from --from to --to:
   utc_iso, tsince_min, error, x_teme_km ... vz_teme_km_s, message
 
 Error codes
@@ -38,31 +38,42 @@ SGP4 and SDP4 with WGS72 constants, mode \"improved\".
 Examples
   $ adcs propagate catalogue.csv -o states.csv
   $ adcs propagate --tle sprout.tle --from 2015-11-19T03:00:00Z \\
-      --to 2015-11-19T05:00:00Z --step 30 -o orbit.csv"
+      --to 2015-11-19T05:00:00Z --step 30 -o orbit.csv
+  $ adcs propagate --omm iss.omm --from 2020-04-06T20:00:00Z \\
+      --to 2020-04-06T22:00:00Z --step 30 -o orbit.csv"
 );
 
 /// Position and velocity (SGP4) for a table of TLEs and times, or along one orbit
 #[derive(Debug, clap::Args)]
-#[command(after_help = HELP)]
+#[command(after_help = HELP, group = ArgGroup::new("orbit").args(["tle", "omm"]))]
 pub struct Args {
     /// The table to read: comma-separated values under a header line; - is standard input
-    #[arg(value_name = "IN.csv", required_unless_present = "tle", conflicts_with = "tle")]
+    #[arg(value_name = "IN.csv", required_unless_present = "orbit", conflicts_with = "orbit")]
     input: Option<PathBuf>,
 
     /// Instead of a table, a file with one TLE
     #[arg(long, value_name = "FILE", requires_all = ["from", "to", "step"])]
     tle: Option<PathBuf>,
 
+    /// Instead of a table, a file with one OMM (CCSDS 502.0-B, in KEY = VALUE notation)
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires_all = ["from", "to", "step"],
+        conflicts_with = "lenient"
+    )]
+    omm: Option<PathBuf>,
+
     /// First instant (UTC), as 2015-11-19T03:00:00Z
-    #[arg(long, value_name = "UTC", value_parser = Utc::parse, requires = "tle")]
+    #[arg(long, value_name = "UTC", value_parser = Utc::parse, requires = "orbit")]
     from: Option<Utc>,
 
     /// Last instant (UTC)
-    #[arg(long, value_name = "UTC", value_parser = Utc::parse, requires = "tle")]
+    #[arg(long, value_name = "UTC", value_parser = Utc::parse, requires = "orbit")]
     to: Option<Utc>,
 
     /// Seconds from one state to the next
-    #[arg(long, value_name = "SECONDS", value_parser = step_micros, requires = "tle")]
+    #[arg(long, value_name = "SECONDS", value_parser = step_micros, requires = "orbit")]
     step: Option<i64>,
 
     #[command(flatten)]
@@ -78,11 +89,11 @@ pub fn run(args: &Args) -> ExitCode {
 
 fn work(args: &Args) -> anyhow::Result<Tally> {
     let (output, checksum) = (&args.output.path, args.lenient.checksum());
-    match (&args.tle, args.from, args.to, args.step) {
-        (Some(file), Some(from), Some(to), Some(step_us)) => {
+    let elements = elements(args.tle.as_deref(), args.omm.as_deref(), checksum)?;
+    match (elements, args.from, args.to, args.step) {
+        (Some(elements), Some(from), Some(to), Some(step_us)) => {
             let span = span(from, to)?;
-            let ephemeris = Ephemeris::new(&tle_file::load(file, checksum)?)?;
-            ephemeris.write(span, step_us, output)
+            Ephemeris::new(&elements)?.write(span, step_us, output)
         }
         _ => {
             let input = args.input.as_deref().unwrap_or(Path::new("-"));

@@ -160,8 +160,10 @@ impl Flown {
 pub(crate) mod tests {
     use super::*;
     use adcs_core::pipeline::ControlStatus;
-    use adcs_core::reading::Reading;
+    use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
+    use adcs_core::sensing::SunSighting;
+    use adcs_core::sensing::sun_faces::FACES;
     use adcs_core::time::Utc;
 
     const CYCLE_US: u32 = 500_000;
@@ -175,6 +177,7 @@ pub(crate) mod tests {
             field_eci_t: [0.0, 0.0, 3e-5],
             kinetic_energy_j: 1e-3,
             torquer_dipole_body_am2: [0.0; 3],
+            sun_eci: [1.0, 0.0, 0.0],
             sunlit: true,
         };
         let record = CycleRecord {
@@ -183,10 +186,15 @@ pub(crate) mod tests {
             phase: Phase::Settling,
             gyro_rad_s: [0.1, 0.2, 0.0].map(Reading::Fresh),
             magnetometer_t: [0.0, 0.0, 3e-5].map(Reading::Fresh),
+            sun_a: [Reading::Missing(MissingReason::NotFitted); FACES],
             omega_bi_rad_s: Reading::Fresh([0.1, 0.2, 0.0]),
             field_body_t: Reading::Fresh([0.0, 0.0, 3e-5]),
+            sun: Reading::Missing(MissingReason::NotFitted),
+            sun_faces: SunSighting::NOT_FITTED.faces,
             position_eci_m: Some([7e6, 0.0, 0.0]),
             reference_field_eci_t: Some([0.0, 0.0, 3e-5]),
+            reference_sun_eci: Some([1.0, 0.0, 0.0]),
+            sunlit: Some(1.0),
             control: ControlStatus::Resting,
             commanded_am2: [0.0; 3],
             driven_am2: Some([0.0; 3]),

@@ -15,6 +15,7 @@ mod problem;
 mod satellite;
 mod section;
 mod sensors;
+mod sun_sensors;
 mod typed;
 mod unit;
 
@@ -91,6 +92,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     let converter = sensors::converter(root);
     let magnetometer = sensors::magnetometer(root, converter);
     let gyro = sensors::gyro(root, converter);
+    let sun = sun_sensors::sun_sensors(root, converter);
     let orbit = orbit::orbit(root);
     let start = orbit::start(root, orbit.as_ref());
     let law = control::law(root);
@@ -100,7 +102,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     let (about, simulation) = (about?, simulation?);
     check_step(root, about.cycle_us, simulation.step_us);
     let (satellite, torques, torquers) = (satellite?, torques?, torquers?);
-    let (magnetometer, gyro) = (magnetometer?, gyro?);
+    let (magnetometer, gyro, sun) = (magnetometer?, gyro?, sun?);
     sensors::refuse_shared_channels(root, &magnetometer, &gyro);
     let (orbit, start) = (orbit?, start?);
     let scenario = Scenario {
@@ -111,6 +113,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             law: law?,
             gyro: gyro.calibration,
             magnetometer: magnetometer.calibration,
+            sun_sensors: sun.as_ref().map(|sun| sun.known),
             torquers: torquers.parameters,
             elements: Some(orbit.elements),
         },
@@ -118,6 +121,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             converter: converter?,
             magnetometer: magnetometer.wiring,
             gyro: gyro.wiring,
+            sun: sun.as_ref().map(|sun| sun.wiring),
             max_dipole_am2: [torquers.parameters.max_dipole_am2; 3],
         },
         readings: simulation.readings,
@@ -137,6 +141,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             gyro: gyro.truth,
             magnetometer: magnetometer.truth,
             magnetometer_offset_m: magnetometer.offset_from_torquers_m,
+            sun_sensors: sun.as_ref().map(|sun| sun.truth),
             torquer_alignment_xyzw: torquers.true_alignment_xyzw,
             torquer_full_dipole_am2: torquers.true_dipole_am2,
             torquer_steps: torquers.steps,

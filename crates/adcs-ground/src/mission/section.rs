@@ -185,6 +185,49 @@ impl<'a> Section<'a> {
         Some(self.read(key, quaternion)?.unwrap_or(default))
     }
 
+    /// A list of numbers of known length.
+    pub fn numbers_or<const N: usize>(
+        &self,
+        key: &'static str,
+        check: Check,
+        default: [f64; N],
+    ) -> Option<[f64; N]> {
+        let list = self.read(key, |item| array(item, "numbers", |item| number(item, check)))?;
+        Some(list.unwrap_or(default))
+    }
+
+    /// A list of vectors.
+    pub fn vectors_or<const N: usize>(
+        &self,
+        key: &'static str,
+        check: Check,
+        default: [[f64; 3]; N],
+    ) -> Option<[[f64; 3]; N]> {
+        let vector = |item| array(item, "numbers", |item| number(item, check));
+        Some(self.read(key, |item| array(item, "vectors", vector))?.unwrap_or(default))
+    }
+
+    /// A list of unit quaternions, scalar last.
+    pub fn quaternions_or<const N: usize>(
+        &self,
+        key: &'static str,
+        default: [[f64; 4]; N],
+    ) -> Option<[[f64; 4]; N]> {
+        let list = self.read(key, |item| array(item, "quaternions", quaternion))?;
+        Some(list.unwrap_or(default))
+    }
+
+    /// A list of words of `choices`.
+    pub fn words_or<T: Copy, const N: usize>(
+        &self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+        default: [T; N],
+    ) -> Option<[T; N]> {
+        let words = self.read(key, |item| array(item, "words", |item| choice(item, choices)))?;
+        Some(words.unwrap_or(default))
+    }
+
     /// Seconds, as a whole number of microseconds.
     pub fn micros(&self, key: &'static str, range_s: RangeInclusive<f64>) -> Option<i64> {
         self.required(key, |item| micros(item, range_s))
@@ -281,7 +324,7 @@ impl<'a> Section<'a> {
 
     /// The section below at `key`.
     pub fn section(&self, key: &'static str) -> Option<Self> {
-        let section = self.optional_section(key)?;
+        let section = self.section_if_any(key)?;
         if section.is_none() {
             self.missing_sections.borrow_mut().push(key);
         }
@@ -291,14 +334,15 @@ impl<'a> Section<'a> {
     /// The section below at `key`; an empty one when there is none.
     pub fn section_or_empty(&self, key: &'static str) -> Option<Self> {
         const EMPTY: &Table = &Table { entries: std::collections::BTreeMap::new() };
-        let section = self.optional_section(key)?;
+        let section = self.section_if_any(key)?;
         Some(
             section
                 .unwrap_or_else(|| Self::new(self.problems, self.path_of(key), self.place, EMPTY)),
         )
     }
 
-    fn optional_section(&self, key: &'static str) -> Option<Option<Self>> {
+    /// The section below at `key`; `Some(None)` when there is none.
+    pub fn section_if_any(&self, key: &'static str) -> Option<Option<Self>> {
         self.read(key, |item| match &item.value {
             Value::Table(table) => {
                 Ok(Self::new(self.problems, self.path_of(key), item.place, table))

@@ -4,7 +4,7 @@ use adcs_app::LawParameters;
 use adcs_core::control::b_dot::BDotGain;
 use adcs_core::sensing::TriadParameters;
 use adcs_sim::devices::SpiFault;
-use adcs_sim::scenario::{Readings, Scenario, SensorTruth};
+use adcs_sim::scenario::{Readings, Scenario, SensorTruth, WorldParameters};
 
 use crate::mission::Mission;
 
@@ -63,12 +63,23 @@ pub fn facts(mission: &Mission) -> Vec<(&'static str, String)> {
         ));
         facts.push(("gyros", sensor(&world.gyro, "deg/s", f64::to_degrees)));
         facts.push(("gyros", calibration(&scenario.flight.gyro, "deg/s", f64::to_degrees)));
+        facts.push(("Sun sensors", sun_sensors(world)));
         facts.push(("seed of the noise", world.seed.to_string()));
     }
     facts.push(("orbit", mission.tle[0].clone()));
     facts.push(("orbit", mission.tle[1].clone()));
     facts.push(("step of the truth", format!("{} s", seconds(world.step_us))));
     facts
+}
+
+fn sun_sensors(world: &WorldParameters) -> String {
+    let Some(sensors) = &world.sun_sensors else { return "none".to_owned() };
+    let broken = sensors.faces.iter().filter(|face| face.fault.is_some()).count();
+    format!(
+        "noise {:.3} deg, albedo of the Earth {}, {broken} of six faces broken",
+        sensors.noise_rad.to_degrees(),
+        sensors.albedo
+    )
 }
 
 fn law(law: LawParameters) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use adcs_core::reading::Reading;
 use anyhow::{Context as _, Result};
 
-use super::rows::{Row, control_words, missing_word, norm, phase_word};
+use super::rows::{Row, control_words, face_word, missing_word, norm, phase_word};
 
 const HEADER: &[&str] = &[
     "cycle",
@@ -59,6 +59,22 @@ const HEADER: &[&str] = &[
     "kinetic_energy_j",
     "control_power_w",
     "sunlit",
+    "model_sunlit",
+    "sun_body_x",
+    "sun_body_y",
+    "sun_body_z",
+    "measured_sun_x",
+    "measured_sun_y",
+    "measured_sun_z",
+    "measured_sun_sigma_deg",
+    "sun_error_deg",
+    "sun_status",
+    "sun_face_0",
+    "sun_face_1",
+    "sun_face_2",
+    "sun_face_3",
+    "sun_face_4",
+    "sun_face_5",
 ];
 
 /// Writes the history of a flight. Cells without a value are empty.
@@ -104,6 +120,14 @@ fn cells(row: &Row) -> Vec<String> {
     cells.add(row.energy_j);
     cells.one_of(row.control_power_w);
     cells.add(u8::from(row.sunlit));
+    cells.one_of(row.model_sunlit);
+    cells.all(row.sun);
+    let measured = row.measured_sun.value();
+    cells.all_of(measured.map(|sun| sun.direction));
+    cells.one_of(measured.map(|sun| sun.sigma_deg));
+    cells.one_of(measured.map(|sun| sun.error_deg));
+    cells.add(row.measured_sun.missing().map_or("ok", missing_word));
+    cells.all(row.sun_faces.map(face_word));
     cells.0
 }
 

@@ -100,6 +100,7 @@ fn caption(plot: &str, summary: &Summary) -> String {
         "rates" => words::rates(summary),
         "field" => words::field(summary),
         "field-error" => words::field_error(),
+        "sun-error" => words::sun_error(),
         "dipoles" => words::dipoles(summary),
         "first-minute" => words::first_minute(),
         "energy" => words::energy(summary),

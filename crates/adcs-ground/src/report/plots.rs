@@ -1,5 +1,6 @@
 //! Which charts a report has.
 
+use adcs_core::sensing::FaceVerdict;
 use anyhow::Result;
 
 use super::chart::{Chart, Series, Style, colour};
@@ -28,6 +29,9 @@ pub fn plots(rows: &[Row]) -> Result<Vec<Plot>> {
     let mut plots = vec![draw("rates", rates(rows))?, draw("field", field(rows))?];
     if rows.iter().any(|row| row.measured_field_nt.is_some()) {
         plots.push(draw("field-error", field_error(rows))?);
+    }
+    if rows.iter().any(|row| row.measured_sun.value().is_some()) {
+        plots.push(draw("sun-error", sun_error(rows))?);
     }
     plots.push(draw("dipoles", dipoles(rows, "Dipole of the torquers"))?);
     let acted = rows.iter().any(is_driven);
@@ -110,6 +114,18 @@ fn field_error(rows: &[Row]) -> Chart {
         Some(microtesla(norm(row.measured_field_nt?) - row.model_field_norm_nt?))
     });
     chart("Measured minus model field strength", "|B| error, µT", rows, vec![error])
+}
+
+fn sun_error(rows: &[Row]) -> Chart {
+    let seen = |row: &Row| row.sun_faces.iter().filter(|f| **f == FaceVerdict::Used).count();
+    let error = |row: &Row| row.measured_sun.value().map(|sun| sun.error_deg);
+    let one = series(Some("one face"), colour::VERMILION, Style::Dots, rows, |row| {
+        error(row).filter(|_| seen(row) == 1)
+    });
+    let more = series(Some("two or three faces"), colour::BLUE, Style::Dots, rows, |row| {
+        error(row).filter(|_| seen(row) > 1)
+    });
+    chart("Angle between the measured and the true Sun", "error, deg", rows, vec![one, more])
 }
 
 fn dipoles(rows: &[Row], title: &'static str) -> Chart {

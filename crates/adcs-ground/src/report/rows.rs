@@ -4,6 +4,8 @@ use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Phase;
+use adcs_core::sensing::FaceVerdict;
+use adcs_core::sensing::sun_faces::FACES;
 use adcs_core::time::Utc;
 use adcs_link::TruthRecord;
 
@@ -62,6 +64,25 @@ pub struct Row {
     pub control_power_w: Option<f64>,
     /// Whether the Sun was in sight.
     pub sunlit: bool,
+    /// Fraction of the Sun's disc that the flight software takes to be free.
+    pub model_sunlit: Option<f64>,
+    /// True direction of the Sun.
+    pub sun: [f64; 3],
+    /// As the Sun sensors see it, or why they do not.
+    pub measured_sun: Reading<MeasuredSun>,
+    /// What became of each Sun sensor.
+    pub sun_faces: [FaceVerdict; FACES],
+}
+
+/// The Sun as the Sun sensors see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredSun {
+    /// Its direction.
+    pub direction: [f64; 3],
+    /// σ that the flight software gives it, about each axis, deg.
+    pub sigma_deg: f64,
+    /// Angle to the true direction, deg.
+    pub error_deg: f64,
 }
 
 /// All rows of a flight.
@@ -114,15 +135,36 @@ fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row
         energy_j: truth.kinetic_energy_j,
         control_power_w: next.map(mean_power),
         sunlit: truth.sunlit,
+        model_sunlit: record.sunlit.map(f64::from),
+        sun: sun_in_body(truth).to_array(),
+        measured_sun: record.sun.map(|measured| {
+            let direction: Vector<Body, f64> = vector(measured.body.map(f64::from));
+            let sun = sun_in_body(truth);
+            let error_rad = direction.cross(&sun).norm().atan2(direction.dot(&sun));
+            MeasuredSun {
+                direction: direction.to_array(),
+                sigma_deg: f64::from(measured.sigma_rad).to_degrees(),
+                error_deg: error_rad.to_degrees(),
+            }
+        }),
+        sun_faces: record.sun_faces,
     }
+}
+
+/// The true attitude.
+fn attitude(truth: &TruthRecord) -> Rotation<Body, Eci, f64> {
+    // The truth's quaternion has length one.
+    Rotation::from_attitude_quaternion(truth.attitude_xyzw).unwrap_or_else(Rotation::identity)
 }
 
 /// The true field, T.
 fn field_in_body(truth: &TruthRecord) -> Vector<Body, f64> {
-    // The truth's quaternion has length one.
-    let r_bi: Rotation<Body, Eci, f64> =
-        Rotation::from_attitude_quaternion(truth.attitude_xyzw).unwrap_or_else(Rotation::identity);
-    r_bi * vector(truth.field_eci_t)
+    attitude(truth) * vector(truth.field_eci_t)
+}
+
+/// The true direction of the Sun.
+fn sun_in_body(truth: &TruthRecord) -> Vector<Body, f64> {
+    attitude(truth) * vector(truth.sun_eci)
 }
 
 fn vector<F>([x, y, z]: [f64; 3]) -> Vector<F, f64> {
@@ -141,7 +183,29 @@ pub(super) fn missing_word(reason: MissingReason) -> &'static str {
         MissingReason::OutOfRange => "out_of_range",
         MissingReason::NotFinite => "not_finite",
         MissingReason::TorquersOn => "torquers_on",
+        MissingReason::NotFitted => "not_fitted",
+        MissingReason::Dark => "dark",
+        MissingReason::NotTheSun => "not_the_sun",
+        MissingReason::Unpredicted => "unpredicted",
+        MissingReason::Disagree => "disagree",
         _ => "missing",
+    }
+}
+
+/// What became of a Sun sensor, in a word.
+pub(super) fn face_word(verdict: FaceVerdict) -> &'static str {
+    match verdict {
+        FaceVerdict::Used => "used",
+        FaceVerdict::Missing(reason) => missing_word(reason),
+        FaceVerdict::Dark => "dark",
+        FaceVerdict::Broken => "broken",
+        FaceVerdict::OutsideCone => "outside_cone",
+        FaceVerdict::Earth => "earth",
+        FaceVerdict::Faint => "faint",
+        FaceVerdict::Bright => "bright",
+        FaceVerdict::Unpredicted => "unpredicted",
+        FaceVerdict::Disagrees => "disagrees",
+        _ => "unknown",
     }
 }
 

@@ -76,6 +76,13 @@ pub fn field_error() -> String {
         .to_owned()
 }
 
+/// About the error of the Sun sensors.
+pub fn sun_error() -> String {
+    "A cloud near the ground is noise. What stands above it for a while is a face that sees the \
+     Earth beside the Sun. Where there is nothing, no face saw the Sun, as at night."
+        .to_owned()
+}
+
 /// About the torquers.
 pub fn dipoles(summary: &Summary) -> String {
     let Torquers { duty, mean_dipole_am2, saturated, refused_cycles } = summary.torquers;

@@ -38,6 +38,8 @@ pub const INERTIA_KG_M2: [[f64; 3]; 3] =
 const RESIDUAL_DIPOLE_AM2: [f64; 3] = [-0.3211, -0.2094, -0.0201];
 /// Step of the integration and grain of the schedule, s.
 pub const STEP_S: f64 = 0.5;
+/// The sensors speak once a second.
+pub const STEPS_A_SECOND: u32 = 2;
 /// Steps in which the torquers are off and on.
 const OFF_STEPS: u32 = 5;
 const ON_STEPS: u32 = 20;
@@ -45,11 +47,15 @@ const MAX_DIPOLE_AM2: f64 = 0.6;
 /// The paper's gain, A·m²·s/T.
 const B_DOT_GAIN: f64 = 1e5;
 
-/// Noise of the sensors.
+/// Noise of one gyro sample, each axis, rad/s.
 pub const GYRO_NOISE_RAD_S: f64 = 0.163 * DEG;
+/// Walk of the gyro bias, each axis, rad/s per √s.
 pub const BIAS_WALK_RAD_S_PER_SQRT_S: f64 = 1e-4 * DEG;
+/// Noise of the magnetometer, each axis, T.
 pub const FIELD_NOISE_T: f64 = 500e-9;
+/// Noise of the Sun's direction across the line of sight, rad.
 pub const SUN_NOISE_RAD: f64 = 0.664 * DEG;
+/// The gyro bias at the start is within this, each axis, rad/s.
 const BIAS_RAD_S: f64 = 0.4 * DEG;
 const DEG: f64 = core::f64::consts::PI / 180.0;
 
@@ -58,22 +64,31 @@ const DEG: f64 = core::f64::consts::PI / 180.0;
 pub struct Moment {
     /// Since the start, s.
     pub t_s: f64,
+    /// The attitude.
     pub r_bi: Rotation<Body, Eci, f64>,
-    /// Body, rad/s.
+    /// Rate of Body relative to Eci, Body, rad/s.
     pub omega: Vector3<f64>,
+    /// Gyro bias, Body, rad/s.
     pub bias: Vector3<f64>,
+    /// Residual dipole, Body, A·m².
     pub dipole: Vector3<f64>,
+    /// The torque that nobody models, Body, N·m.
     pub torque: Vector3<f64>,
+    /// Whether the Sun shines on the satellite.
     pub lit: bool,
-    /// Eci, m, T, unit length.
+    /// Position, Eci, m.
     pub position: Vector3<f64>,
+    /// Field, Eci, T.
     pub field_i: Vector3<f64>,
+    /// Direction to the Sun, Eci.
     pub sun_i: Vector3<f64>,
     /// What the torquers carried over the step that ended here, Body, A·m².
     pub torquers: Vector3<f64>,
-    /// What the sensors say; once a second.
+    /// What the gyro shows, once a second, rad/s.
     pub gyro: Option<Vector3<f64>>,
+    /// What the magnetometer shows, once a second while the torquers rest, T.
     pub field_b: Option<Vector3<f64>>,
+    /// Where the Sun sensor sees the Sun, once a second when lit.
     pub sun_b: Option<Vector3<f64>>,
 }
 
@@ -98,6 +113,9 @@ pub struct Truth {
 
 impl Truth {
     /// Flight number `seed` of a scene: somewhere within two days, in sunlight.
+    ///
+    /// # Errors
+    /// When the orbit or the field model ends.
     pub fn new(scene: Scene, seed: u64) -> Result<Self> {
         let elements = Elements::from_tle(TLE[0], TLE[1])?;
         let orbit = OrbitModel::new(&elements)?;
@@ -142,6 +160,9 @@ impl Truth {
     }
 
     /// What is now and what is measured now; then the next step is flown.
+    ///
+    /// # Errors
+    /// When the orbit or the field model ends.
     pub fn next(&mut self) -> Result<Moment> {
         let t_s = f64::from(self.step) * STEP_S;
         let now = self.at(t_s);
@@ -154,8 +175,8 @@ impl Truth {
         let r_bi = self.motion.r_bi();
         let omega = self.motion.omega_bi.xyz;
         let field_b = (r_bi * field_i).xyz;
-        let dipole = Vector3::from(RESIDUAL_DIPOLE_AM2)
-            + if lit { Vector3::zeros() } else { self.jump };
+        let dipole =
+            Vector3::from(RESIDUAL_DIPOLE_AM2) + if lit { Vector3::zeros() } else { self.jump };
 
         // One draw each a step, wanted or not, so that scenes of one seed share their noise.
         let gyro = omega + self.bias + gaussian(&mut self.noise) * GYRO_NOISE_RAD_S;
@@ -165,7 +186,7 @@ impl Truth {
         let in_round = self.step % (OFF_STEPS + ON_STEPS);
         // From 0.5 s after the torquers went off to the moment before they go on.
         let settled = (1..=OFF_STEPS).contains(&in_round);
-        let full_second = self.step.is_multiple_of(2);
+        let full_second = self.step.is_multiple_of(STEPS_A_SECOND);
         let moment = Moment {
             t_s,
             r_bi,

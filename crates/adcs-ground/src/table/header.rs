@@ -73,6 +73,21 @@ impl Header {
         Ok(columns)
     }
 
+    /// Columns that are wanted together or not at all.
+    ///
+    /// # Errors
+    /// As [`column`](Self::column), for the first that is not there while another is.
+    pub fn optional_columns<const N: usize>(
+        &self,
+        names: [&'static str; N],
+    ) -> Result<Option<[Column; N]>, Failure> {
+        let mut any = false;
+        for name in names {
+            any |= self.optional(name)?.is_some();
+        }
+        if any { self.columns(names).map(Some) } else { Ok(None) }
+    }
+
     /// The error that `wanted`, a column or a choice of columns, is not there.
     pub fn missing(&self, wanted: &str) -> Failure {
         Failure::MissingColumn { wanted: wanted.to_owned(), found: self.names.clone() }
@@ -131,6 +146,15 @@ mod tests {
             Err(Failure::ColumnTwice { name: "b", first: 2, second: 4 })
         ));
         assert!(header.optional("c").unwrap().is_none());
+    }
+
+    #[test]
+    fn columns_that_belong_together_are_all_there_or_none() {
+        let header = header(&["a", "b", "c"]);
+        assert!(header.optional_columns(["x", "y"]).unwrap().is_none());
+        assert!(header.optional_columns(["a", "c"]).unwrap().is_some());
+        let failure = header.optional_columns(["x", "b"]).unwrap_err();
+        assert_eq!(failure.to_string(), "no column x; the columns are: a, b, c");
     }
 
     #[test]

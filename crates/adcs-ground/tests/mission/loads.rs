@@ -3,9 +3,10 @@
 use std::fs;
 
 use adcs_core::control::b_dot::BDotGain;
-use adcs_core::frames::{Body, MagnetometerAxes, Rotation, Vector};
+use adcs_core::frames::{Body, MagnetometerAxes, Rotation, SunFaceAxes, Vector};
+use adcs_core::sensing::SunFacesParameters;
 use adcs_ground::mission;
-use adcs_sim::scenario::{Readings, SensorTruth};
+use adcs_sim::scenario::{Readings, SensorTruth, SunFaceFault, SunFaceTruth, SunSensorsTruth};
 
 use super::refused::assert_says;
 use super::workshop::{MISSION, SATELLITE, Workshop, missions};
@@ -40,7 +41,69 @@ fn persons_units_become_si() {
     assert_eq!(scenario.world.gyro.noise, 0.163_f64.to_radians());
     // 50,000 nT/V and 20 mV/(deg/s), as the drivers' own presets have them.
     assert_eq!(scenario.board, adcs_hal::driver_board::DriverBoardConfig::SPROUT);
+    // And the Sun sensors as the flight software's own preset has them.
+    assert_eq!(scenario.flight.sun_sensors, Some(SunFacesParameters::SPROUT));
+    assert_eq!(scenario.world.sun_sensors.unwrap().noise_rad, 0.664_f64.to_radians());
     assert_eq!(scenario.readings, Readings::Drivers);
+}
+
+#[test]
+fn a_satellite_without_sun_sensors_says_nothing_of_them() {
+    let workshop = Workshop::new();
+    let satellite = fs::read_to_string(missions().join(SATELLITE)).unwrap();
+    let (before, sensors) = satellite.split_once("[sun_sensors]").unwrap();
+    let (_, after) = sensors.split_once("[orbit]").unwrap();
+    workshop.write(SATELLITE, format!("{before}[orbit]{after}"));
+    let scenario = workshop.load().unwrap().scenario;
+    assert_eq!((scenario.flight.sun_sensors, scenario.board.sun), (None, None));
+    assert_eq!(scenario.world.sun_sensors, None);
+}
+
+#[test]
+fn each_error_of_the_sun_sensors_is_switched_off_alone() {
+    let workshop = Workshop::new();
+    workshop.change(
+        SATELLITE,
+        "noise_deg = 0.664 ",
+        "scale = [1, 1, 1, 1, 1, 0.5]\nmisalignment_deg = [[0, 0, 0], [0, 0, 0], [0, 0, 0], \
+         [0, 0, 0], [0, 0, 90], [0, 0, 0]]\nfaults = [\"none\", \"dark\", \"stuck\", \"none\", \
+         \"none\", \"none\"]\nnoise_deg = 0.664 ",
+    );
+    let with = |off: &str| {
+        workshop.write(
+            "sprout/some-off.toml",
+            format!(
+                "base = \"despin-calibrated.toml\"\n[mission]\ntitle = \"t\"\ndescription = \"d\"\n\
+                 [sun_sensors.errors]\nswitched_off = [{off}]\n"
+            ),
+        );
+        let mission = mission::load(workshop.folder.join("sprout/some-off.toml")).unwrap();
+        mission.scenario.world.sun_sensors.unwrap()
+    };
+    let all = with("");
+    let faults = all.faces.map(|face| face.fault);
+    assert_eq!(faults[..3], [None, Some(SunFaceFault::Dark), Some(SunFaceFault::Stuck)]);
+    assert_eq!(all.faces[5].full_sun_a, all.faces[0].full_sun_a / 2.0);
+    // The face's axes turned by +90 deg about its z, which is Body's: its x is Body y.
+    let axes: Rotation<Body, SunFaceAxes, f64> =
+        Rotation::from_attitude_quaternion(all.faces[4].alignment_xyzw).unwrap();
+    assert!((axes * Vector::new(1.0, 0.0, 0.0)).xyz.y > 1.0 - 1e-15);
+    let faces = |change: &dyn Fn(usize, &mut SunFaceTruth)| {
+        let mut faces = all.faces;
+        faces.iter_mut().enumerate().for_each(|(number, face)| change(number, face));
+        SunSensorsTruth { faces, ..all }
+    };
+    assert_eq!(with("\"noise\""), SunSensorsTruth { noise_rad: 0.0, ..all });
+    assert_eq!(with("\"current_noise\""), SunSensorsTruth { current_noise_a: 0.0, ..all });
+    assert_eq!(with("\"albedo\""), SunSensorsTruth { albedo: 0.0, ..all });
+    assert_eq!(with("\"faults\""), faces(&|_, face| face.fault = None));
+    let full_sun_a = all.faces[0].full_sun_a;
+    assert_eq!(with("\"scale\""), faces(&|_, face| face.full_sun_a = full_sun_a));
+    let straight = [0.0, 0.0, 0.0, 1.0];
+    let aligned = faces(&|n, face| {
+        face.alignment_xyzw = if n == 4 { straight } else { face.alignment_xyzw };
+    });
+    assert_eq!(with("\"misalignment\""), aligned);
 }
 
 #[test]
@@ -162,6 +225,8 @@ fn the_readme_lists_every_key() {
         "gyro",
         "gyro.calibration",
         "gyro.errors",
+        "sun_sensors",
+        "sun_sensors.errors",
         "simulation",
     ];
     let mut keys = 0;
@@ -184,7 +249,7 @@ fn the_readme_lists_every_key() {
             keys += 1;
         }
     }
-    assert!(keys > 60, "only {keys} keys");
+    assert!(keys > 80, "only {keys} keys");
 }
 
 #[test]

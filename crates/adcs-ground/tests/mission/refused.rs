@@ -40,6 +40,26 @@ fn unknown_keys_are_refused_with_the_one_that_was_probably_meant() {
 }
 
 #[test]
+fn sun_sensors_that_cannot_be_are_refused_at_their_key() {
+    let problem = refused(SATELLITE, "half_cone_deg = 55 ", "half_cone_deg = 60 ");
+    assert_says(&problem, "sun_sensors.half_cone_deg", "wider than the diode sees", "");
+    let problem = refused(SATELLITE, "dark_v = 0.1 ", "dark_v = 0.01 ");
+    assert_says(&problem, "sun_sensors.dark_v", "outside what the converter can read", "");
+    let problem = refused(SATELLITE, "albedo = 0.3 ", "albedo = 30 ");
+    assert_says(&problem, "sun_sensors.errors.albedo", "must be from 0 (black) to 1 (white)", "");
+    let problem = refused(SATELLITE, "full_sun_ua = 80 ", "full_sun_ma = 0.08 ");
+    assert_says(
+        &problem,
+        "sun_sensors.full_sun_ma",
+        "given in milliampere, wanted in microampere",
+        "write full_sun_ua",
+    );
+    let faults = "faults = [\"dark\"]\nnoise_deg = 0.664 ";
+    let problem = refused(SATELLITE, "noise_deg = 0.664 ", faults);
+    assert_says(&problem, "sun_sensors.errors.faults", "expected a list of 6 words", "");
+}
+
+#[test]
 fn a_wrong_or_missing_unit_is_told_with_the_wanted_one() {
     let problem = refused(SATELLITE, "mass_kg = 7.1 ", "mass_g = 7100 ");
     assert_says(&problem, "satellite.mass_g", "given in gram, wanted in kilogram", "write mass_kg");

@@ -11,6 +11,7 @@ mod eclipse;
 mod field;
 mod files;
 mod frames;
+mod omm;
 mod propagate;
 mod sun;
 mod tle;

@@ -5,31 +5,34 @@
 //!
 //! | generic | what | on the satellite |
 //! |---|---|---|
-//! | `Spi` | the converter's bus with its chip select | SPI peripheral and a pin |
+//! | `Spi` | a converter's bus with its chip select | SPI peripheral and a pin |
 //! | `Pwm` | EN of each H-bridge | three channels of a timer |
 //! | `Phase` | PH of each H-bridge | three pins |
 //! | `Sleep` | nSLEEP, common to the three H-bridges | one pin |
 //! | `C` | [`Clock`] | real-time clock or timer |
 //!
-//! The three PWM channels have one type, as have the three pins: where a HAL gives each its own,
-//! its erased form is meant.
+//! The three PWM channels have one type, as have the three pins and the buses of the converters:
+//! where a HAL gives each its own, its erased form is meant.
 //!
-//! Sensors are read in a fixed order, magnetometer x, y, z, then gyros x, y, z, each once.
+//! Sensors are read in a fixed order, magnetometer x, y, z, gyros x, y, z, then the Sun sensors from
+//! 0 to 5 with X1, X2, Y1, Y2 of each, all once. A board may have no Sun sensors.
 
 mod config;
 #[cfg(test)]
 mod tests;
 
 use adcs_core::frames::{TorquerAxes, Vector};
+use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::time::Utc;
 use embedded_hal::digital::{OutputPin, PinState};
 use embedded_hal::pwm::SetDutyCycle;
 use embedded_hal::spi::SpiDevice;
 
-use crate::analog_triad::AnalogTriad;
+use crate::analog_triad::{AnalogTriad, ConverterConfig};
 use crate::board::{Board, Samples, TorquerFault};
 use crate::drv8838::Drv8838;
 use crate::mcp3208::Mcp3208;
+use crate::psd_face::{CONVERTERS, FACES, PsdFace, PsdFaceConfig};
 
 pub use config::{ConfigError, DriverBoardConfig};
 
@@ -42,8 +45,11 @@ pub trait Clock {
 /// The buses and pins of a board.
 #[derive(Debug)]
 pub struct Parts<Spi, Pwm, Phase, Sleep, C> {
-    /// The converter's bus, in [`mcp3208::MODE`](crate::mcp3208::MODE).
+    /// The bus of the converter behind magnetometer and gyros, in
+    /// [`mcp3208::MODE`](crate::mcp3208::MODE).
     pub spi: Spi,
+    /// Those of the converters behind the Sun sensors, where there are any.
+    pub sun_spi: Option<[Spi; CONVERTERS]>,
     /// EN of the torquers' bridges x, y, z.
     pub enable: [Pwm; 3],
     /// PH of the torquers' bridges x, y, z.
@@ -60,9 +66,57 @@ pub struct DriverBoard<Spi, Pwm, Phase, Sleep, C> {
     converter: Mcp3208<Spi>,
     magnetometer: AnalogTriad,
     gyro: AnalogTriad,
+    sun: Option<SunSensors<Spi>>,
     torquers: [Torquer<Pwm, Phase>; 3],
     sleep: Sleep,
     clock: C,
+}
+
+/// The Sun sensors and their converters.
+#[derive(Debug)]
+struct SunSensors<Spi> {
+    converters: [Mcp3208<Spi>; CONVERTERS],
+    faces: [PsdFace; FACES],
+}
+
+impl<Spi: SpiDevice> SunSensors<Spi> {
+    fn new(
+        faces: [PsdFaceConfig; FACES],
+        converter: ConverterConfig,
+        buses: [Spi; CONVERTERS],
+    ) -> Result<Self, ConfigError> {
+        let face = |face, config| {
+            PsdFace::new(config, converter).map_err(|error| ConfigError::SunFace { face, error })
+        };
+        let [a, b, c, d, e, f] = faces;
+        let faces = [face(0, a)?, face(1, b)?, face(2, c)?, face(3, d)?, face(4, e)?, face(5, f)?];
+        refuse_shared(&faces)?;
+        Ok(Self { converters: buses.map(Mcp3208::new), faces })
+    }
+
+    fn read(&mut self) -> [Reading<[f32; 4]>; FACES] {
+        let Self { converters, faces } = self;
+        faces.map(|face| match converters.get_mut(usize::from(face.converter())) {
+            Some(converter) => face.read(converter),
+            // Excluded when the face was accepted.
+            None => Reading::Missing(MissingReason::NotFitted),
+        })
+    }
+}
+
+/// Each input of each converter belongs to one face.
+fn refuse_shared(faces: &[PsdFace; FACES]) -> Result<(), ConfigError> {
+    for (number, face) in (0_u8..).zip(faces) {
+        let earlier = faces.iter().take(usize::from(number));
+        for other in earlier.filter(|other| other.converter() == face.converter()) {
+            let shared = face.channels().into_iter().find(|c| other.channels().contains(c));
+            if let Some(channel) = shared {
+                let channel = channel.number();
+                return Err(ConfigError::SunChannelShared { face: number, channel });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// A bridge and what its winding makes of full duty.
@@ -126,6 +180,11 @@ where
         {
             return Err(ConfigError::ChannelShared { channel: shared.number() });
         }
+        let sun = match (config.sun, parts.sun_spi) {
+            (Some(faces), Some(buses)) => Some(SunSensors::new(faces, config.converter, buses)?),
+            (Some(_), None) => return Err(ConfigError::NoSunConverters),
+            (None, _) => None,
+        };
         let [enable_x, enable_y, enable_z] = parts.enable;
         let [phase_x, phase_y, phase_z] = parts.phase;
         let [max_x, max_y, max_z] = config.max_dipole_am2;
@@ -133,6 +192,7 @@ where
             converter: Mcp3208::new(parts.spi),
             magnetometer,
             gyro,
+            sun,
             torquers: [
                 Torquer::new(0, enable_x, phase_x, max_x)?,
                 Torquer::new(1, enable_y, phase_y, max_y)?,
@@ -193,7 +253,8 @@ where
     fn sample(&mut self) -> Samples {
         let field_t = self.magnetometer.read(&mut self.converter);
         let rate_rad_s = self.gyro.read(&mut self.converter);
-        Samples { rate_rad_s, field_t }
+        let sun_a = self.sun.as_mut().map_or(Samples::NO_SUN_SENSORS, SunSensors::read);
+        Samples { rate_rad_s, field_t, sun_a }
     }
 
     fn drive(&mut self, dipole: Vector<TorquerAxes>) -> Result<Vector<TorquerAxes>, TorquerFault> {

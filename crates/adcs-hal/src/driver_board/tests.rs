@@ -2,7 +2,7 @@
 
 extern crate std;
 use super::*;
-use adcs_core::reading::{MissingReason, Reading};
+use crate::psd_face;
 use core::cell::{Cell, RefCell};
 use embedded_hal::digital;
 use embedded_hal::pwm;
@@ -53,11 +53,16 @@ impl Wires {
         Ok(())
     }
 
+    fn bus(&self) -> Wire<'_> {
+        Wire { wires: self, event: Sleep(false) }
+    }
+
     fn parts(&self) -> Parts<Wire<'_>, Wire<'_>, Wire<'_>, Wire<'_>, Stopped> {
         let duty = |axis| Wire { wires: self, event: Duty(axis, 0) };
         let phase = |axis| Wire { wires: self, event: Phase(axis, false) };
         Parts {
-            spi: Wire { wires: self, event: Sleep(false) },
+            spi: self.bus(),
+            sun_spi: Some([self.bus(), self.bus(), self.bus()]),
             enable: [duty(0), duty(1), duty(2)],
             phase: [phase(0), phase(1), phase(2)],
             sleep: Wire { wires: self, event: Sleep(false) },
@@ -241,9 +246,24 @@ fn a_dead_bus_of_any_kind_is_missing_never_a_number() {
         let wires = Wires::new();
         wires.answer.set(answer);
         let missing = [Reading::Missing(reason); 3];
-        let expected = Samples { rate_rad_s: missing, field_t: missing };
+        let sun_a = [Reading::Missing(reason); FACES];
+        let expected = Samples { rate_rad_s: missing, field_t: missing, sun_a };
         assert_eq!(wires.board().sample(), expected);
     }
+}
+
+#[test]
+fn a_board_without_sun_sensors_says_so() {
+    let wires = Wires::new();
+    wires.answer.set(Some(0x08));
+    let config = DriverBoardConfig { sun: None, ..DriverBoardConfig::SPROUT };
+    let parts = Parts { sun_spi: None, ..wires.parts() };
+    let samples = DriverBoard::new(config, parts).unwrap().sample();
+    assert_eq!(samples.sun_a, Samples::NO_SUN_SENSORS);
+    assert!(samples.field_t.iter().all(|axis| axis.value().is_some()));
+    let parts = Parts { sun_spi: None, ..wires.parts() };
+    let error = DriverBoard::new(DriverBoardConfig::SPROUT, parts).err();
+    assert_eq!(error, Some(ConfigError::NoSunConverters));
 }
 
 #[test]
@@ -264,6 +284,16 @@ fn impossible_boards_are_refused_with_the_value() {
         ConfigError::ChannelShared { channel: 2 }
     );
     assert_eq!(refused(&|_| (), 0), ConfigError::NoSteps { axis: 0 });
+    let sun = |change: &dyn Fn(&mut [PsdFaceConfig; FACES])| {
+        let change = |config: &mut DriverBoardConfig| config.sun.iter_mut().for_each(change);
+        refused(&change, 100)
+    };
+    let error = psd_face::ConfigError::Channel { channel: 8 };
+    assert_eq!(sun(&|f| f[4].channels[3] = 8), ConfigError::SunFace { face: 4, error });
+    assert_eq!(
+        sun(&|faces| faces[1].channels[0] = 2),
+        ConfigError::SunChannelShared { face: 1, channel: 2 }
+    );
     assert_eq!(
         refused(&|config| config.gyro.channels = [3, 4, 9], 100).to_string(),
         "gyro: the converter has no channel 9; it has 0 to 7"

@@ -12,17 +12,18 @@ use adcs_hal::mcp3208::Code;
 use adcs_hal::mcp3208::registers::{self, HIGH_IMPEDANCE};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 
-use super::{Bench, DeviceError, Plant, SpiFault, Violation};
+use super::{Bench, Converter, DeviceError, Plant, SpiFault, Violation};
 
-/// The converter's bus with its chip select.
+/// A converter's bus with its chip select.
 #[derive(Debug)]
 pub struct SimMcp3208<'b, P> {
     bench: &'b Bench<'b, P>,
+    converter: Converter,
 }
 
 impl<'b, P: Plant> SimMcp3208<'b, P> {
-    pub(super) fn new(bench: &'b Bench<'b, P>) -> Self {
-        Self { bench }
+    pub(super) fn new(bench: &'b Bench<'b, P>, converter: Converter) -> Self {
+        Self { bench, converter }
     }
 
     /// What the chip answers to one frame.
@@ -39,7 +40,7 @@ impl<'b, P: Plant> SimMcp3208<'b, P> {
         if !plant.powered() {
             return Err(self.bench.violated(Violation::Unpowered));
         }
-        let volts = plant.pin_volts(channel.number());
+        let volts = plant.pin_volts(self.converter, channel.number());
         let [a, b, c] =
             registers::encode_reply(Code::of_volts(volts, self.bench.config.reference_v));
         let [floating_a, floating_b, floating_c] = HIGH_IMPEDANCE;

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 pub use drv8838::{SimEnable, SimPhase, SimSleep};
 pub use mcp3208::SimMcp3208;
-pub use plant::Plant;
+pub use plant::{Converter, Plant};
 
 /// Something that a driver must not do, although the chip might forgive it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -130,7 +130,7 @@ impl digital::Error for DeviceError {
     }
 }
 
-/// How the converter's bus fails.
+/// How the converters' common bus fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SpiFault {
     /// The data line is stuck low: the bus answers nothing.
@@ -144,7 +144,7 @@ pub enum SpiFault {
 /// What is broken on the bench; [`Default`] is nothing. A refusing pin keeps its old level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Faults {
-    /// The converter's bus.
+    /// The bus of all converters.
     pub spi: Option<SpiFault>,
     /// The PWM of each torquer refuses.
     pub enable: [bool; 3],
@@ -244,7 +244,8 @@ impl<'w, P: Plant> Bench<'w, P> {
         DriverBoard::new(
             config,
             Parts {
-                spi: self.converter(),
+                spi: self.converter(Converter::Main),
+                sun_spi: Some([0, 1, 2].map(|number| self.converter(Converter::Sun(number)))),
                 enable: self.enable(),
                 phase: self.phase(),
                 sleep: self.sleep(),
@@ -253,9 +254,9 @@ impl<'w, P: Plant> Bench<'w, P> {
         )
     }
 
-    /// The converter's bus.
-    pub fn converter(&self) -> SimMcp3208<'_, P> {
-        SimMcp3208::new(self)
+    /// The bus of one of the converters.
+    pub fn converter(&self, converter: Converter) -> SimMcp3208<'_, P> {
+        SimMcp3208::new(self, converter)
     }
 
     /// The PWM channels on EN of the three torquers.

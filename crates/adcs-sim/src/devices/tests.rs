@@ -24,24 +24,29 @@ use super::*;
 /// A world of constant voltages that remembers its windings.
 struct Table {
     volts: [f64; 8],
-    /// The channels converted so far, in order.
-    conversions: Vec<u8>,
+    /// At every input of the Sun sensors' converters.
+    sun_volts: f64,
+    /// The inputs converted so far, in order.
+    conversions: Vec<(Converter, u8)>,
     windings: [f64; 3],
     powered: bool,
 }
 
 impl Table {
     fn new() -> RefCell<Self> {
-        let table =
-            Self { volts: [1.65; 8], conversions: Vec::new(), windings: [0.0; 3], powered: true };
-        RefCell::new(table)
+        let (volts, sun_volts) = ([1.65; 8], 1.3);
+        let (conversions, windings) = (Vec::new(), [0.0; 3]);
+        RefCell::new(Self { volts, sun_volts, conversions, windings, powered: true })
     }
 }
 
 impl Plant for Table {
-    fn pin_volts(&mut self, channel: u8) -> f64 {
-        self.conversions.push(channel);
-        self.volts[usize::from(channel)]
+    fn pin_volts(&mut self, converter: Converter, channel: u8) -> f64 {
+        self.conversions.push((converter, channel));
+        match converter {
+            Converter::Main => self.volts[usize::from(channel)],
+            Converter::Sun(_) => self.sun_volts,
+        }
     }
     fn set_winding(&mut self, axis: usize, drive: f64) {
         self.windings[axis] = drive;
@@ -74,7 +79,7 @@ const ROUNDING_AM2: f32 = 2e-7;
 fn every_code_of_every_channel_reaches_the_driver() {
     let table = Table::new();
     let bench = bench(&table);
-    let mut converter = Mcp3208::new(bench.converter());
+    let mut converter = Mcp3208::new(bench.converter(Converter::Main));
     for number in 0..Channel::COUNT {
         for raw in 0..registers::LEVELS {
             let code = Code::new(raw).unwrap();
@@ -93,7 +98,13 @@ fn a_cycle_reads_magnetometer_then_gyros_each_axis_once_and_right() {
     table.borrow_mut().volts = [0.65, 1.25, 2.65, 1.63, 1.67, 1.75, f64::NAN, f64::NAN];
     let bench = bench(&table);
     let samples = board(&bench).sample();
-    assert_eq!(table.borrow().conversions, [0, 1, 2, 3, 4, 5]);
+    let triads = (0..6).map(|channel| (Converter::Main, channel));
+    let suns = (0..3).flat_map(|n| (0..8).map(move |channel| (Converter::Sun(n), channel)));
+    assert_eq!(table.borrow().conversions, triads.chain(suns).collect::<Vec<_>>());
+    // (1.3 − 0.1) V over 30 kΩ, to half a step of 27 nA.
+    for face in samples.sun_a {
+        assert!(face.value().unwrap().iter().all(|current| (current - 40e-6).abs() < 14e-9));
+    }
     // Half a step of the converter: 20.1 nT and 0.0201 deg/s, and a little rounding.
     const HALF_STEP_T: f32 = 20.2e-9;
     const HALF_STEP_DEG_S: f32 = 0.0202;
@@ -145,7 +156,7 @@ fn the_converter_without_supply_is_an_error_and_counted() {
     let table = Table::new();
     let bench = bench(&table);
     table.borrow_mut().powered = false;
-    let error = Mcp3208::new(bench.converter()).convert(Channel::new(0).unwrap());
+    let error = Mcp3208::new(bench.converter(Converter::Main)).convert(Channel::new(0).unwrap());
     assert_eq!(error, Err(Error::Bus(DeviceError::Violation(Violation::Unpowered))));
     assert_eq!(bench.violations(), Violations { count: 1, last: Some(Violation::Unpowered) });
     assert!(table.borrow().conversions.is_empty());
@@ -156,7 +167,7 @@ fn a_borrowed_world_is_an_error_not_a_panic() {
     let table = Table::new();
     let bench = bench(&table);
     let _held = table.borrow();
-    let error = Mcp3208::new(bench.converter()).convert(Channel::new(0).unwrap());
+    let error = Mcp3208::new(bench.converter(Converter::Main)).convert(Channel::new(0).unwrap());
     assert_eq!(error, Err(Error::Bus(DeviceError::PlantBusy)));
     assert_eq!(bench.sleep().set_high(), Err(DeviceError::PlantBusy));
 }
@@ -165,7 +176,7 @@ fn a_borrowed_world_is_an_error_not_a_panic() {
 fn frames_that_the_data_sheet_does_not_have_are_refused_and_counted() {
     let table = Table::new();
     let bench = bench(&table);
-    let mut spi = bench.converter();
+    let mut spi = bench.converter(Converter::Main);
     let refused = |found: Violation, result: Result<(), DeviceError>| {
         assert_eq!(result, Err(DeviceError::Violation(found)));
         assert_eq!(bench.violations().last, Some(found));
@@ -206,7 +217,7 @@ fn a_transfer_in_place_answers_like_any_other() {
     let table = Table::new();
     let bench = bench(&table);
     let mut bytes = registers::encode_command(Channel::new(6).unwrap());
-    bench.converter().transfer_in_place(&mut bytes).unwrap();
+    bench.converter(Converter::Main).transfer_in_place(&mut bytes).unwrap();
     assert_eq!(bytes, [0xFF, 0b1110_1000, 0x00]);
 }
 
@@ -352,7 +363,7 @@ proptest! {
         let table = Table::new();
         let bench = bench(&table);
         let mut reply = vec![0; command.len()];
-        let answered = bench.converter().transfer(&mut reply, &command).is_ok();
+        let answered = bench.converter(Converter::Main).transfer(&mut reply, &command).is_ok();
         prop_assert_eq!(bench.violations().count, u32::from(!answered));
         if let Ok(reply) = <[u8; 3]>::try_from(reply.as_slice()) {
             let _ = registers::decode_reply(reply);

@@ -29,6 +29,18 @@ pub fn geodetic() -> Vec<GeodeticPosition<f64>> {
         .collect()
 }
 
+/// The same positions in the precision `T`.
+fn geodetic_of<T: Real>() -> Vec<GeodeticPosition<T>> {
+    geodetic()
+        .into_iter()
+        .map(|position| GeodeticPosition {
+            latitude_rad: T::from_f64(position.latitude_rad),
+            longitude_rad: T::from_f64(position.longitude_rad),
+            height_km: T::from_f64(position.height_km),
+        })
+        .collect()
+}
+
 /// The same orbit, roughly, as Earth-fixed positions in km.
 pub fn earth_fixed<T: Real>() -> Vec<[T; 3]> {
     let cartesian = |position: GeodeticPosition<f64>| {
@@ -60,17 +72,41 @@ pub fn ours<T: Real>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, degre
     });
 }
 
+/// The same, many positions at a time.
+pub fn ours_many<T: Real>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str) {
+    let coefficients = Coefficients::<T>::at(YEAR).expect("valid");
+    let positions = earth_fixed::<T>();
+    group.bench_function(format!("igrf (this crate), {name}, degree 13, many"), |bencher| {
+        bencher.iter(|| {
+            for field in coefficients.fields_ecef_nt(black_box(&positions).iter().copied()) {
+                let _ = black_box(field);
+            }
+        });
+    });
+}
+
 /// This crate, from geodetic positions to north, east, down: what the others compute.
-pub fn ours_geodetic(group: &mut BenchmarkGroup<'_, WallTime>) {
-    let coefficients = Coefficients::<f64>::at(YEAR).expect("valid");
-    let positions = geodetic();
-    group.bench_function("igrf (this crate), f64, degree 13, geodetic", |bencher| {
+pub fn ours_geodetic<T: Real>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str) {
+    let coefficients = Coefficients::<T>::at(YEAR).expect("valid");
+    let positions = geodetic_of::<T>();
+    group.bench_function(format!("igrf (this crate), {name}, degree 13, geodetic"), |bencher| {
         bencher.iter(|| {
             for &position in &positions {
                 let _ = black_box(coefficients.field_geodetic_nt(black_box(position)));
             }
         });
     });
+    group.bench_function(
+        format!("igrf (this crate), {name}, degree 13, geodetic, many"),
+        |bencher| {
+            bencher.iter(|| {
+                let positions = black_box(&positions).iter().copied();
+                for field in coefficients.fields_geodetic_nt(positions) {
+                    let _ = black_box(field);
+                }
+            });
+        },
+    );
 }
 
 /// Crate `world_magnetic_model`, f32, degree 12, geodetic; dates its coefficients in each call.
@@ -86,7 +122,7 @@ pub fn world_magnetic_model(group: &mut BenchmarkGroup<'_, WallTime>) {
             )
         })
         .collect();
-    group.bench_function("world_magnetic_model 1.2025, f32, degree 12", |bencher| {
+    group.bench_function("world_magnetic_model 1.2025, f32, degree 12, geodetic", |bencher| {
         bencher.iter(|| {
             for &(height, latitude, longitude) in &positions {
                 let field = GeomagneticField::new(

@@ -4,13 +4,13 @@ use adcs_app::{FlightParameters, LawParameters};
 use adcs_core::{
     control::{allocation::TorquerParameters, b_dot::BDotGain},
     schedule::ScheduleParameters,
-    sensing::TriadParameters,
+    sensing::{SunFacesParameters, TriadParameters},
     time::Utc,
 };
 use adcs_hal::driver_board::DriverBoardConfig;
 use adcs_sim::scenario::{
     DragParameters, Readings, Scenario, SensorTruth, ShapeParameters, SolarPressureParameters,
-    VERSION, WorldParameters,
+    SunSensorsTruth, VERSION, WorldParameters,
 };
 use sgp4_lite::Elements;
 
@@ -40,6 +40,7 @@ pub fn despin(readings: Readings) -> Scenario {
             law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
             gyro: TriadParameters::default(),
             magnetometer: TriadParameters::default(),
+            sun_sensors: Some(SunFacesParameters::SPROUT),
             torquers,
             elements: Some(elements),
         },
@@ -68,11 +69,22 @@ pub fn despin(readings: Readings) -> Scenario {
             gyro: SensorTruth { noise: 2.8e-3, ..SensorTruth::PERFECT },
             magnetometer: SensorTruth { noise: 6e-10, ..SensorTruth::PERFECT },
             magnetometer_offset_m: Some([0.1, 0.1, 0.1]),
+            sun_sensors: Some(sun_sensors()),
             torquer_alignment_xyzw: ALIGNED_F64,
             torquer_full_dipole_am2: [0.6; 3],
             torquer_steps: 8400,
             seed: 1,
         },
         cycles: CYCLES,
+    }
+}
+
+/// The Sun sensors as the flight software knows them, with the published noise, and the Earth.
+fn sun_sensors() -> SunSensorsTruth {
+    SunSensorsTruth {
+        noise_rad: 0.0116,
+        current_noise_a: 2e-8,
+        albedo: 0.3,
+        ..SunSensorsTruth::perfect(&SunFacesParameters::SPROUT)
     }
 }

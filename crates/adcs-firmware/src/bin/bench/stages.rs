@@ -9,11 +9,16 @@ use adcs_core::{
         mekf::{FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
     },
     control::b_dot::{BDot, BDotGain},
-    environment::field::FieldModel,
+    environment::{
+        field::FieldModel,
+        sun_track::{SunNodes, SunTrack},
+        sunlight::Sunlight,
+    },
     frames::Vector,
     orbit::OrbitModel,
     reading::Reading,
-    time::gmst82_rad,
+    sensing::{Expected, SunFaces, SunFacesParameters},
+    time::{LeapSeconds, gmst82_rad},
 };
 use adcs_link::message::Message;
 use adcs_sim::{
@@ -36,6 +41,7 @@ const TRUTH_STEPS: u32 = 25;
 /// Counts every stage and prints the results. Nothing here fails with the constants given.
 pub fn run(counter: &Counter) {
     models(counter);
+    sun(counter);
     attitude(counter);
     mekf(counter);
     cycle(counter, &despin(Readings::Exact));
@@ -68,6 +74,26 @@ fn models(counter: &Counter) {
     stage.count("gmst82", now, |now| gmst82_rad(now.julian_date()));
     stage.count("reference_field", position, |position| reference.eci_t(now, position));
     stage.count("b_dot", (law, omega, field), |(law, omega, field)| law.dipole(omega, field));
+}
+
+/// The Sun as it should be seen, and as three faces see it.
+fn sun(counter: &Counter) {
+    let world = despin(Readings::Exact).world;
+    let orbit = OrbitModel::new(&world.elements).expect("SPROUT is near the Earth");
+    let position = orbit.state(world.start).expect("SPROUT is near the Earth").position;
+    let track = SunTrack::new(LeapSeconds::BUILT_IN);
+    let mut nodes = SunNodes::default();
+    let sun = track.position_m(&mut nodes, world.start).expect("after 1972");
+    let faces = SunFaces::new(&SunFacesParameters::SPROUT).expect("accepted");
+    // From (1, 1, 1), 54.7 deg off three axes: the spot is 4.8 of 5 mm off the middle.
+    let (low, high) = (7.4e-6, 38.8e-6);
+    let towards = [high, low, high, low];
+    let lit = [towards, [0.0; 4], towards, [0.0; 4], towards, [0.0; 4]].map(Reading::Fresh);
+
+    let stage = Stage { counter };
+    stage.count("sun_track", world.start, |now| track.position_m(&mut nodes, now));
+    stage.count("sunlight", (sun, position), |(sun, position)| Sunlight::seen(sun, Some(position)));
+    stage.count("sun_sighting", lit, |lit| faces.sight(&lit, &Expected::default()));
 }
 
 /// The attitude from Sun and field that disagree by a degree or two.

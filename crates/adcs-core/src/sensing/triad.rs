@@ -1,4 +1,4 @@
-//! From a sensor's own axes to Body: scale, bias, alignment.
+//! A three-axis sensor, from its own axes to Body: scale, bias, alignment.
 //!
 //! A driver speaks SI along the axes in which its chip was soldered in, by the formula of the data
 //! sheet. Here, and only here, that becomes a Body vector:

@@ -1,5 +1,7 @@
 //! The object that flies.
 
+use adcs_core::attitude::selection::{AttitudeSource, Determination};
+use adcs_core::frames::{TorquerAxes, Vector};
 use adcs_core::pipeline::{self, Configuration, Inputs, State, Thoughts};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Schedule;
@@ -7,7 +9,9 @@ use adcs_core::sensing::FaceVerdict;
 use adcs_hal::board::{Board, Samples};
 use adcs_link::Digest;
 use adcs_link::frame;
-use adcs_link::message::{CycleRecord, Message, SunRecord, TruthRecord};
+use adcs_link::message::{
+    AttitudeRecord, CycleRecord, DeterminationRecord, Message, RateRecord, SunRecord, TruthRecord,
+};
 
 use crate::parameters::{FlightParameters, ParameterError};
 
@@ -34,6 +38,8 @@ pub struct FlightApp<B> {
     schedule: Schedule,
     configuration: Configuration,
     state: State,
+    /// What the torquers carry since the last cycle, A·m².
+    carried: Vector<TorquerAxes>,
     next_cycle: u32,
     health: Health,
     digest: Digest,
@@ -51,6 +57,7 @@ impl<B: Board> FlightApp<B> {
             schedule,
             configuration,
             state: State::default(),
+            carried: Vector::zero(),
             next_cycle: 0,
             health: Health::default(),
             digest: Digest::default(),
@@ -62,6 +69,8 @@ impl<B: Board> FlightApp<B> {
         let inputs = self.sense();
         let thoughts = pipeline::cycle(&self.configuration, &mut self.state, &inputs);
         let driven = self.board.drive(thoughts.command.dipole);
+        // A board that refuses has switched off.
+        self.carried = driven.unwrap_or(Vector::zero());
         let record = record(self.next_cycle, &inputs, &thoughts, driven.ok().map(|d| d.to_array()));
         self.count(&record);
         self.absorb(&Message::Cycle(record));
@@ -92,7 +101,7 @@ impl<B: Board> FlightApp<B> {
         let field_t = field_t.map(|axis| finite(axis, |field| field.is_finite()));
         let all_finite = |currents: &[f32; 4]| currents.iter().all(|current| current.is_finite());
         let sun_a = sun_a.map(|face| finite(face, all_finite));
-        Inputs { now, phase, rate_rad_s, field_t, sun_a }
+        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried: self.carried }
     }
 
     fn count(&mut self, record: &CycleRecord) {
@@ -154,9 +163,38 @@ fn record(
         reference_field_eci_t: thoughts.reference_field.map(|v| v.to_array()),
         reference_sun_eci: thoughts.reference_sun.map(|sun| sun.vector().to_array()),
         sunlit: thoughts.sunlit,
+        determination: thoughts.determination.as_ref().map(determination_record),
         control: thoughts.control,
         commanded_am2: thoughts.command.dipole.to_array(),
         driven_am2,
         saturated: thoughts.command.saturated,
+    }
+}
+
+/// What stage II believes, and the rest from the filter it comes from.
+fn determination_record(determination: &Determination) -> DeterminationRecord {
+    let Determination { attitude, rate, reason, mekf, dynamic } = determination;
+    let is_dynamic = attitude.is_some_and(|it| it.source == AttitudeSource::Dynamic);
+    let (bias, field, sun) = if is_dynamic {
+        (dynamic.estimate.map(|it| it.gyro_bias), dynamic.field, dynamic.sun)
+    } else {
+        (mekf.estimate.map(|it| it.gyro_bias), mekf.field, mekf.sun)
+    };
+    DeterminationRecord {
+        attitude: attitude.map(|it| AttitudeRecord {
+            xyzw: it.r_bi.attitude_quaternion(),
+            sigma_rad: it.sigma_rad().to_array(),
+            source: it.source,
+        }),
+        rate: rate.map(|it| RateRecord {
+            omega_bi_rad_s: it.omega_bi.to_array(),
+            sigma_rad_s: it.sigma_rad_s,
+            source: it.source,
+        }),
+        reason: *reason,
+        gyro_bias_rad_s: bias.map(|bias| bias.to_array()),
+        residual_dipole_am2: dynamic.estimate.map(|it| it.residual_dipole.to_array()),
+        nis_field: field.map(|it| it.nis),
+        nis_sun: sun.map(|it| it.nis),
     }
 }

@@ -3,6 +3,8 @@
 
 use core::fmt;
 
+use adcs_core::attitude::dynamic::DynamicError;
+use adcs_core::attitude::selection::{Estimator, EstimatorParameters};
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
 use adcs_core::environment::sun_track::SunTrack;
@@ -41,6 +43,8 @@ pub struct FlightParameters {
     pub magnetometer: TriadParameters,
     /// The Sun sensors; `None` on a satellite without.
     pub sun_sensors: Option<SunFacesParameters>,
+    /// The filters of stage II; `None` to fly without attitude.
+    pub attitude: Option<EstimatorParameters>,
     /// The torquers' limit and mounting.
     pub torquers: TorquerParameters,
     /// Mean elements of the orbit; despin flies without them.
@@ -61,6 +65,8 @@ pub enum ParameterError {
     Magnetometer(TriadError),
     /// The Sun sensors.
     SunSensors(SunFacesError),
+    /// The filters of stage II.
+    Attitude(DynamicError),
     /// The torquers' limit or mounting.
     Torquers(AllocationError),
     /// The orbit's elements.
@@ -75,6 +81,7 @@ impl fmt::Display for ParameterError {
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
             Self::SunSensors(error) => write!(f, "Sun sensors: {error}"),
+            Self::Attitude(error) => write!(f, "attitude: {error}"),
             Self::Torquers(error) => write!(f, "torquers: {error}"),
             Self::Orbit(error) => write!(f, "orbit: {error}"),
         }
@@ -102,6 +109,7 @@ impl FlightParameters {
             }
             None => None,
         };
+        let estimator = self.attitude.as_ref().map(Estimator::new);
         let sun_faces = self.sun_sensors.as_ref().map(SunFaces::new);
         let configuration = Configuration {
             orbit,
@@ -109,6 +117,7 @@ impl FlightParameters {
             gyro: Triad::new(&self.gyro).map_err(ParameterError::Gyro)?,
             magnetometer: Triad::new(&self.magnetometer).map_err(ParameterError::Magnetometer)?,
             sun_faces: sun_faces.transpose().map_err(ParameterError::SunSensors)?,
+            estimator: estimator.transpose().map_err(ParameterError::Attitude)?,
             law,
             allocation: Allocation::new(&self.torquers).map_err(ParameterError::Torquers)?,
         };

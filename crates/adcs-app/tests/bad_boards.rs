@@ -23,11 +23,12 @@ const ROUND: u32 = 3;
 fn despin() -> FlightParameters {
     FlightParameters {
         cycle_us: 500_000,
-        schedule: ScheduleParameters { on_us: 1_000_000, off_us: 500_000 },
+        schedule: ScheduleParameters { on_us: 1_000_000, off_us: 500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
         gyro: TriadParameters::default(),
         magnetometer: TriadParameters::default(),
         sun_sensors: Some(SunFacesParameters::SPROUT),
+        attitude: None,
         torquers: TorquerParameters {
             max_dipole_am2: LIMIT_AM2,
             alignment_xyzw: [0.0, 0.0, 0.0, 1.0],

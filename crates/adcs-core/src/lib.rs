@@ -22,6 +22,7 @@
 
 pub mod attitude;
 pub mod control;
+mod determination;
 pub mod environment;
 pub mod frames;
 mod nodes;

@@ -5,12 +5,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::selection::{Determination, Estimator};
 use crate::control::allocation::{Allocation, Command};
 use crate::control::b_dot::BDot;
+use crate::determination::{Sensed, StageState};
 use crate::environment::field::FieldModel;
 use crate::environment::sun_track::{SunNodes, SunTrack};
 use crate::environment::sunlight::Sunlight;
-use crate::frames::{Body, Direction, Eci, GyroAxes, MagnetometerAxes, Vector};
+use crate::frames::{
+    Body, Direction, Eci, GyroAxes, MagnetometerAxes, TorquerAxes, Vector,
+};
 use crate::orbit::OrbitState;
 use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
 use crate::reading::{MissingReason, Reading};
@@ -41,6 +45,8 @@ pub struct Configuration {
     pub magnetometer: Triad<MagnetometerAxes>,
     /// From the currents of the Sun sensors to one direction in Body; `None` without Sun sensors.
     pub sun_faces: Option<SunFaces>,
+    /// Stage II; `None` while attitude is not needed.
+    pub estimator: Option<Estimator>,
     /// The law of stage III.
     pub law: Law,
     /// From the wanted dipole to the torquers.
@@ -53,6 +59,7 @@ pub struct State {
     orbit_nodes: OrbitNodes,
     sun_nodes: SunNodes,
     field_model: Option<FieldModel<f32>>,
+    determination: StageState,
     held: Decision,
 }
 
@@ -69,6 +76,8 @@ pub struct Inputs {
     pub field_t: [Reading<f32>; 3],
     /// Photocurrents X1, X2, Y1, Y2 of each Sun sensor, A.
     pub sun_a: [Reading<[f32; 4]>; FACES],
+    /// What the torquers carried since the last cycle, A·m².
+    pub carried: Vector<TorquerAxes>,
 }
 
 /// What stage III did, and if nothing, why.
@@ -107,6 +116,8 @@ pub struct Thoughts {
     pub field_b: Reading<Vector<Body>>,
     /// The Sun, Body, or why there is none; and what became of each Sun sensor.
     pub sun_b: SunSighting,
+    /// Attitude and rate, and where they come from; `None` when stage II does not fly.
+    pub determination: Option<Determination>,
     /// What stage III did.
     pub control: ControlStatus,
     /// What the torquers are asked for.
@@ -123,15 +134,33 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     // What it does see, in Body.
     let omega_bi = configuration.gyro.to_body(inputs.rate_rad_s);
     let field_b = match inputs.phase {
-        Phase::Measuring => configuration.magnetometer.to_body(inputs.field_t),
+        Phase::Settled | Phase::Measuring => configuration.magnetometer.to_body(inputs.field_t),
         Phase::Settling | Phase::Acting => Reading::Missing(MissingReason::TorquersOn),
     };
-    let sun_b = sighting(configuration, &inputs.sun_a, &expected(sunlight.as_ref()));
+    let expected = state.determination.expected(inputs.now, orbit.as_ref(), sunlight.as_ref());
+    let sun_b = sighting(configuration, &inputs.sun_a, &expected);
+
+    // Stage II: what to believe of it.
+    let sensed = Sensed {
+        orbit: orbit.as_ref(),
+        reference_field,
+        sunlight: sunlight.as_ref(),
+        omega_bi,
+        field_b,
+        sun_b: &sun_b,
+        torquer_dipole: configuration.allocation.to_body(inputs.carried),
+    };
+    let determination = configuration
+        .estimator
+        .as_ref()
+        .map(|estimator| state.determination.cycle(estimator, inputs.now, &sensed));
 
     // Stage III: what to do about it. A command is decided once a round and held through the action.
     let decision = match inputs.phase {
-        Phase::Settling => Decision::resting(),
-        Phase::Measuring => decide(configuration, omega_bi, field_b),
+        Phase::Settling | Phase::Settled => Decision::resting(),
+        Phase::Measuring => {
+            decide(configuration, rate_for_despin(omega_bi, determination.as_ref()), field_b)
+        }
         Phase::Acting => state.held,
     };
     state.held = decision;
@@ -144,16 +173,22 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         omega_bi,
         field_b,
         sun_b,
+        determination,
         control,
         command,
     }
 }
 
-/// What is known of the Sun before the Sun sensors are asked: its distance. No attitude stage
-/// predicts its direction.
-fn expected(sunlight: Option<&Sunlight>) -> Expected {
-    let nothing = Expected::default();
-    sunlight.map_or(nothing, |sunlight| Expected { irradiance: sunlight.irradiance, ..nothing })
+/// The rate that despin works with: the gyro's, and when it is silent what stage II makes of the
+/// dynamics or of the field alone.
+fn rate_for_despin(
+    omega_bi: Reading<Vector<Body>>,
+    determination: Option<&Determination>,
+) -> Reading<Vector<Body>> {
+    match (omega_bi, determination.and_then(|determination| determination.rate)) {
+        (Reading::Missing(_), Some(rate)) => Reading::Fresh(rate.omega_bi),
+        (measured, _) => measured,
+    }
 }
 
 /// Where the Sun sensors see the Sun.
@@ -263,6 +298,7 @@ mod tests {
             gyro: Triad::new(&TriadParameters::default()).unwrap(),
             magnetometer: Triad::new(&TriadParameters::default()).unwrap(),
             sun_faces: Some(SunFaces::new(&SunFacesParameters::SPROUT).unwrap()),
+            estimator: None,
             law,
             allocation: Allocation::new(&TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw })
                 .unwrap(),
@@ -277,7 +313,8 @@ mod tests {
         let now = Utc::from_micros_since_2000(0);
         let mut sun_a = [Reading::Fresh([0.0; 4]); FACES];
         sun_a[2] = Reading::Fresh([40e-6; 4]);
-        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a }
+        let carried = Vector::zero();
+        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a, carried }
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Measure, then act: torquers spoil the magnetometer, so the two take turns.
 //!
 //! ```text
-//! t = 0        off        off + on     2 off + on
-//! ├─ settling ──●─ acting ──┼─ settling ──●─ acting ── …
-//!               └ measured at the last instant of rest, held through the acting
+//! t = 0     settle    off       off + on
+//! ├─ settling ┼─ settled ●─ acting ──┼─ settling ┼─ settled ●─ acting ── …
+//!             │          └ measured at the last instant of rest, held through the acting
+//!             └ from here on the field is the Earth's, and the filters may use it
 //! ```
 //!
 //! The paper's experiments rest 2.5 s and act 10 s or 5 s. When within the rest they measured is not
@@ -22,6 +23,9 @@ pub struct ScheduleParameters {
     pub on_us: u32,
     /// How long they rest before the next measurement, µs (paper: 2.5 s).
     pub off_us: u32,
+    /// How long within the rest the field takes to settle, µs; at most `off_us`: then only the last
+    /// instant of the rest measures.
+    pub settle_us: u32,
 }
 
 /// Why a schedule is refused.
@@ -35,6 +39,13 @@ pub enum ScheduleError {
     NeverActs,
     /// The torquers would never rest, so the field could never be measured.
     NeverRests,
+    /// The field would settle later than the rest ends.
+    NeverSettles {
+        /// The time to settle, µs.
+        settle_us: u32,
+        /// The rest, µs.
+        off_us: u32,
+    },
     /// A duration is not a whole number of cycles.
     NotWholeCycles {
         /// The duration, µs.
@@ -55,6 +66,9 @@ impl fmt::Display for ScheduleError {
                     "the torquers would never rest (off-time 0), so nothing could be measured"
                 )
             }
+            Self::NeverSettles { settle_us, off_us } => {
+                write!(f, "the field would settle after {settle_us} µs, but the rest ends after {off_us} µs")
+            }
             Self::NotWholeCycles { found_us, cycle_us } => {
                 write!(f, "{found_us} µs is not a whole number of cycles of {cycle_us} µs")
             }
@@ -74,6 +88,8 @@ pub enum Phase {
     Measuring,
     /// The torquers hold the command that was measured for.
     Acting,
+    /// The torquers rest and the field has settled: the filters measure.
+    Settled,
 }
 
 /// The accepted schedule, in whole cycles.
@@ -81,6 +97,7 @@ pub enum Phase {
 pub struct Schedule {
     on_cycles: u32,
     off_cycles: u32,
+    settle_cycles: u32,
 }
 
 impl Schedule {
@@ -97,11 +114,14 @@ impl Schedule {
             (Some(_), _) => Err(ScheduleError::NotWholeCycles { found_us, cycle_us }),
             (None, _) => Err(ScheduleError::NoCycle),
         };
-        let (on_cycles, off_cycles) = (cycles(parameters.on_us)?, cycles(parameters.off_us)?);
+        let ScheduleParameters { on_us, off_us, settle_us } = *parameters;
+        let (on_cycles, off_cycles) = (cycles(on_us)?, cycles(off_us)?);
+        let settle_cycles = cycles(settle_us)?;
         match (on_cycles, off_cycles) {
             (0, _) => Err(ScheduleError::NeverActs),
             (_, 0) => Err(ScheduleError::NeverRests),
-            _ => Ok(Self { on_cycles, off_cycles }),
+            _ if settle_us > off_us => Err(ScheduleError::NeverSettles { settle_us, off_us }),
+            _ => Ok(Self { on_cycles, off_cycles, settle_cycles }),
         }
     }
 
@@ -110,7 +130,8 @@ impl Schedule {
     pub fn phase(&self, index: u32) -> Phase {
         let within = index % self.on_cycles.saturating_add(self.off_cycles).max(1);
         match within.cmp(&self.off_cycles) {
-            Ordering::Less => Phase::Settling,
+            Ordering::Less if within < self.settle_cycles => Phase::Settling,
+            Ordering::Less => Phase::Settled,
             Ordering::Equal => Phase::Measuring,
             Ordering::Greater => Phase::Acting,
         }
@@ -124,7 +145,7 @@ mod tests {
     const HALF_SECOND_US: u32 = 500_000;
 
     fn paper() -> Schedule {
-        let parameters = ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000 };
+        let parameters = ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 2_500_000 };
         Schedule::new(&parameters, HALF_SECOND_US).unwrap()
     }
 
@@ -140,9 +161,26 @@ mod tests {
     }
 
     #[test]
+    fn between_settling_and_the_last_instant_the_field_may_be_used() {
+        let parameters =
+            ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 1_000_000 };
+        let schedule = Schedule::new(&parameters, HALF_SECOND_US).unwrap();
+        for round in [0, 25] {
+            assert!((0..2).all(|k| schedule.phase(round + k) == Phase::Settling));
+            assert!((2..5).all(|k| schedule.phase(round + k) == Phase::Settled));
+            assert_eq!(schedule.phase(round + 5), Phase::Measuring);
+        }
+        let late = ScheduleParameters { settle_us: 3_000_000, ..parameters };
+        assert_eq!(
+            Schedule::new(&late, HALF_SECOND_US),
+            Err(ScheduleError::NeverSettles { settle_us: 3_000_000, off_us: 2_500_000 })
+        );
+    }
+
+    #[test]
     fn schedules_that_never_act_or_never_rest_are_refused() {
         let new = |on_us, off_us, cycle_us| {
-            Schedule::new(&ScheduleParameters { on_us, off_us }, cycle_us)
+            Schedule::new(&ScheduleParameters { on_us, off_us, settle_us: off_us }, cycle_us)
         };
         assert_eq!(new(0, 500_000, 500_000), Err(ScheduleError::NeverActs));
         assert_eq!(new(500_000, 0, 500_000), Err(ScheduleError::NeverRests));

@@ -16,11 +16,12 @@ const UNCALIBRATED: TriadParameters =
 /// are not known after power-on; despin does without.
 pub const FLIGHT: FlightParameters = FlightParameters {
     cycle_us: 500_000,
-    schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000 },
+    schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
     law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
     gyro: UNCALIBRATED,
     magnetometer: UNCALIBRATED,
     sun_sensors: Some(SunFacesParameters::SPROUT),
+    attitude: None,
     torquers: TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw: [0.0, 0.0, 0.0, 1.0] },
     elements: None,
 };

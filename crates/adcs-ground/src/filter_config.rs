@@ -6,7 +6,7 @@ use std::path::Path;
 
 use adcs_core::attitude::dynamic::{DynamicError, DynamicParameters};
 use adcs_core::attitude::mekf::{FieldNoise, GivenStart, GyroSampling, MekfError, MekfParameters};
-use adcs_core::attitude::selection::{Estimator, EstimatorState, Flies};
+use adcs_core::attitude::selection::{Estimator, EstimatorParameters, EstimatorState, Flies};
 use adcs_core::frames::{Rotation, Vector};
 use anyhow::{Context as _, bail};
 use nalgebra::{RealField, convert};
@@ -124,7 +124,7 @@ impl FilterConfig {
         &self,
         flies: Flies,
     ) -> Result<(Estimator<T>, EstimatorState<T>), Refused> {
-        let estimator = Estimator::new(&self.dynamics(), flies)?;
+        let estimator = Estimator::new(&EstimatorParameters { dynamics: self.dynamics(), flies })?;
         let mut state = EstimatorState::default();
         if let Some(xyzw) = self.reference_filter_initial_q_xyzw {
             let r_bi = Rotation::from_attitude_quaternion(xyzw.map(convert))

@@ -13,8 +13,8 @@ use crate::digest::Digest;
 use crate::message::Message;
 
 /// No frame is longer than this, bytes. That of the longest message, a cycle with every field
-/// present, has 300 with its CRC, what COBS adds, and the zero.
-pub const MAX_FRAME: usize = 320;
+/// present, has 387 with its CRC, what COBS adds, and the zero.
+pub const MAX_FRAME: usize = 416;
 
 /// CRC-32 of the frames, as in Ethernet.
 static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
@@ -86,7 +86,11 @@ pub fn digest(message: &Message, digest: &mut Digest) -> Result<(), FrameError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::message::{CycleRecord, End, Hello, SunRecord, VERSION};
+    use crate::message::{
+        AttitudeRecord, CycleRecord, DeterminationRecord, End, Hello, RateRecord, SunRecord, VERSION,
+    };
+    use adcs_core::attitude::mekf::Lost;
+    use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
     use adcs_core::pipeline::ControlStatus;
     use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
@@ -96,7 +100,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// That of the doc comment of [`MAX_FRAME`].
-    const LONGEST_FRAME: usize = 300;
+    const LONGEST_FRAME: usize = 387;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -118,6 +122,23 @@ mod tests {
             reference_field_eci_t: Some([f32::MAX; 3]),
             reference_sun_eci: Some([f32::MAX; 3]),
             sunlit: Some(f32::MAX),
+            determination: Some(DeterminationRecord {
+                attitude: Some(AttitudeRecord {
+                    xyzw: [f32::MAX; 4],
+                    sigma_rad: [f32::MAX; 3],
+                    source: AttitudeSource::TwoVectors,
+                }),
+                rate: Some(RateRecord {
+                    omega_bi_rad_s: [f32::MAX; 3],
+                    sigma_rad_s: f32::MAX,
+                    source: RateSource::AcrossField,
+                }),
+                reason: Reason::MekfLost(Lost::Uncertain),
+                gyro_bias_rad_s: Some([f32::MAX; 3]),
+                residual_dipole_am2: Some([f32::MAX; 3]),
+                nis_field: Some(f32::MAX),
+                nis_sun: Some(f32::MAX),
+            }),
             control: ControlStatus::NoField(MissingReason::TorquersOn),
             commanded_am2: [f32::MAX; 3],
             driven_am2: Some([f32::MAX; 3]),

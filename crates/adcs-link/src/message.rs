@@ -1,6 +1,7 @@
 //! The messages and their fields. Components are plain arrays in SI units; the frame stands in the
 //! name or in the field's doc line.
 
+use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::Reading;
 use adcs_core::schedule::Phase;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. A reader refuses any other: postcard carries no field names, so
 /// bytes of another version would decode into nonsense.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// One message.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -68,6 +69,8 @@ pub struct CycleRecord {
     pub reference_sun_eci: Option<[f32; 3]>,
     /// Fraction of the Sun's disc that should be free, 0 in eclipse to 1.
     pub sunlit: Option<f32>,
+    /// What stage II believes; `None` when it does not fly.
+    pub determination: Option<DeterminationRecord>,
     /// What stage III made of it.
     pub control: ControlStatus,
     /// Dipole commanded, along the torquers' axes, A·m².
@@ -76,6 +79,47 @@ pub struct CycleRecord {
     pub driven_am2: Option<[f32; 3]>,
     /// Which torquers stood at their limit.
     pub saturated: [bool; 3],
+}
+
+/// What stage II believes, where it comes from, and why not from somewhere better.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DeterminationRecord {
+    /// The attitude.
+    pub attitude: Option<AttitudeRecord>,
+    /// The rate.
+    pub rate: Option<RateRecord>,
+    /// Why a better source was not used.
+    pub reason: Reason,
+    /// Gyro bias as the filter that is believed knows it, Body, rad/s.
+    pub gyro_bias_rad_s: Option<[f32; 3]>,
+    /// Residual dipole, Body, A·m², while the dynamics-aided filter has an estimate.
+    pub residual_dipole_am2: Option<[f32; 3]>,
+    /// NIS of the field in the filter that is believed, 3 degrees of freedom.
+    pub nis_field: Option<f32>,
+    /// NIS of the Sun, 2 degrees of freedom.
+    pub nis_sun: Option<f32>,
+}
+
+/// An attitude that is believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AttitudeRecord {
+    /// Attitude quaternion `[q_x, q_y, q_z, q_w]`, Eci to Body.
+    pub xyzw: [f32; 4],
+    /// σ about each Body axis, rad.
+    pub sigma_rad: [f32; 3],
+    /// Where it comes from.
+    pub source: AttitudeSource,
+}
+
+/// A rate that is believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RateRecord {
+    /// Rate of Body relative to Eci, Body, rad/s.
+    pub omega_bi_rad_s: [f32; 3],
+    /// σ of its least known axis, rad/s.
+    pub sigma_rad_s: f32,
+    /// Where it comes from.
+    pub source: RateSource,
 }
 
 /// The Sun, measured.

@@ -22,6 +22,15 @@ use super::field_rate::FieldRate;
 use super::mekf::{self, Mekf, MekfState};
 use crate::frames::{Body, Eci, Rotation, Vector};
 
+/// Stage II as it is stored and uplinked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct EstimatorParameters<T = f32> {
+    /// Sensors, dynamics and tuning of both filters.
+    pub dynamics: DynamicParameters<T>,
+    /// Which filters fly.
+    pub flies: Flies,
+}
+
 /// Both filters with accepted parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimator<T = f32> {
@@ -123,6 +132,13 @@ pub struct Attitude<T: RealField + Copy = f32> {
     pub source: AttitudeSource,
 }
 
+impl<T: RealField + Copy> Attitude<T> {
+    /// σ of the attitude about each Body axis, rad.
+    pub fn sigma_rad(&self) -> Vector<Body, T> {
+        Vector::from_xyz(self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+    }
+}
+
 /// The rate that the satellite believes.
 #[derive(Debug, Clone, Copy)]
 pub struct Rate<T: RealField + Copy = f32> {
@@ -154,12 +170,13 @@ impl<T: RealField + Copy> Estimator<T> {
     ///
     /// # Errors
     /// [`DynamicError`] with the parameter, its value and its range.
-    pub fn new(parameters: &DynamicParameters<T>, flies: Flies) -> Result<Self, DynamicError> {
-        let sensors = &parameters.sensors;
+    pub fn new(parameters: &EstimatorParameters<T>) -> Result<Self, DynamicError> {
+        let EstimatorParameters { dynamics, flies } = parameters;
+        let sensors = &dynamics.sensors;
         Ok(Self {
             mekf: Mekf::new(sensors).map_err(DynamicError::Sensors)?,
-            dynamic: DynamicFilter::new(parameters)?,
-            flies,
+            dynamic: DynamicFilter::new(dynamics)?,
+            flies: *flies,
             field_sigma_t: sensors.field_noise.sigma_t(),
             gyro_sigma_rad_s: sensors.gyro_noise_rad_s,
         })

@@ -85,6 +85,11 @@ impl Allocation {
         Ok(Self { max_dipole_am2, alignment })
     }
 
+    /// What a dipole along the torquers' axes is in Body, A·m².
+    pub fn to_body(&self, dipole: Vector<TorquerAxes>) -> Vector<Body> {
+        self.alignment.inverse() * dipole
+    }
+
     /// The command that comes closest, axis by axis, to the wanted dipole (Body, A·m²). A wanted
     /// dipole that is not finite switches the torquers off.
     pub fn command(&self, wanted: Vector<Body>) -> Command {

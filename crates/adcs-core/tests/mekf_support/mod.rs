@@ -43,6 +43,7 @@ impl Moment {
         let sun = self.sun_b.filter(|_| self.lit).map(|sun_b| SunPair {
             body: vector(sun_b).direction().expect("not zero"),
             eci: vector(self.sun_i).direction().expect("not zero"),
+            sigma_rad: None,
         });
         let field = self
             .field_b

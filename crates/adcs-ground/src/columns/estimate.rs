@@ -134,7 +134,7 @@ impl<T: Precision> Estimate<T> {
                 eci: vector(eci.map(|nt| nt * T_PER_NT)),
             }),
             sun: sun.and_then(|(body, eci)| {
-                Some(SunPair { body: vector(body).direction()?, eci: vector(eci).direction()? })
+                Some(SunPair { body: vector(body).direction()?, eci: vector(eci).direction()?, sigma_rad: None })
             }),
         };
         let torquers = match self.torquers {

@@ -195,6 +195,7 @@ pub(crate) mod tests {
             reference_field_eci_t: Some([0.0, 0.0, 3e-5]),
             reference_sun_eci: Some([1.0, 0.0, 0.0]),
             sunlit: Some(1.0),
+            determination: None,
             control: ControlStatus::Resting,
             commanded_am2: [0.0; 3],
             driven_am2: Some([0.0; 3]),

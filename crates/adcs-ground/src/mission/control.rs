@@ -62,18 +62,28 @@ pub(super) fn schedule(root: &Section, cycle_us: Option<u32>) -> Option<Schedule
     let section = root.section("schedule")?;
     let on_us = section.micros("on_s", 0.0..=LONGEST_S);
     let off_us = section.micros("off_s", 0.0..=LONGEST_S);
+    // Without it only the last instant of the rest measures, as in the paper.
+    let settle_us = section.micros_or("settle_s", 0.0..=LONGEST_S, off_us.unwrap_or_default());
     section.finish();
-    let parameters = ScheduleParameters { on_us: on_us? as u32, off_us: off_us? as u32 };
+    let parameters = ScheduleParameters {
+        on_us: on_us? as u32,
+        off_us: off_us? as u32,
+        settle_us: settle_us? as u32,
+    };
     let Err(error) = Schedule::new(&parameters, cycle_us?) else { return Some(parameters) };
     let (key, advice) = match error {
         ScheduleError::NeverActs => {
             ("on_s", "for a flight without control write law.kind = \"none\"")
         }
         ScheduleError::NeverRests => ("off_s", "the field is measured while the torquers rest"),
+        ScheduleError::NeverSettles { .. } => ("settle_s", "it must be within the rest"),
         ScheduleError::NotWholeCycles { found_us, .. } if found_us == parameters.on_us => {
             ("on_s", "change it or mission.cycle_s")
         }
-        ScheduleError::NotWholeCycles { .. } => ("off_s", "change it or mission.cycle_s"),
+        ScheduleError::NotWholeCycles { found_us, .. } if found_us == parameters.off_us => {
+            ("off_s", "change it or mission.cycle_s")
+        }
+        ScheduleError::NotWholeCycles { .. } => ("settle_s", "change it or mission.cycle_s"),
         _ => ("on_s", ""),
     };
     section.refuse(key, Fault::advising(format!("impossible: {error}"), advice));

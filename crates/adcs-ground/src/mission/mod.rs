@@ -8,6 +8,7 @@
 //! line, column, reason and advice, and one run reports all of them ([`MissionError`]). What the
 //! flight crates refuse by their own constructors is reported at the key it came from.
 
+mod attitude;
 mod control;
 mod document;
 mod orbit;
@@ -93,6 +94,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     let magnetometer = sensors::magnetometer(root, converter);
     let gyro = sensors::gyro(root, converter);
     let sun = sun_sensors::sun_sensors(root, converter);
+    let attitude = attitude::attitude(root, satellite.as_ref().map(|it| it.inertia_kg_m2));
     let orbit = orbit::orbit(root);
     let start = orbit::start(root, orbit.as_ref());
     let law = control::law(root);
@@ -114,6 +116,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             gyro: gyro.calibration,
             magnetometer: magnetometer.calibration,
             sun_sensors: sun.as_ref().map(|sun| sun.known),
+            attitude: attitude?,
             torquers: torquers.parameters,
             elements: Some(orbit.elements),
         },

@@ -35,6 +35,8 @@ const UNITS: &[(&str, &str)] = &[
     ("am2_s_per_t", "A·m²·s/T"),
     ("am2_s_per_nt", "A·m²·s/nT"),
     ("n_m_s", "N·m·s"),
+    ("n_m", "N·m"),
+    ("deg_s_per_sqrt_s", "degrees per second per square root of a second"),
     ("um", "micrometre"),
     ("ma", "milliampere"),
     ("ua", "microampere"),

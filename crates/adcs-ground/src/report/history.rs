@@ -5,7 +5,10 @@ use std::path::Path;
 use adcs_core::reading::Reading;
 use anyhow::{Context as _, Result};
 
-use super::rows::{Row, control_words, face_word, missing_word, norm, phase_word};
+use super::rows::{
+    Believed, Row, attitude_word, control_words, face_word, missing_word, norm, phase_word, rate_word,
+    reason_word,
+};
 
 const HEADER: &[&str] = &[
     "cycle",
@@ -75,6 +78,29 @@ const HEADER: &[&str] = &[
     "sun_face_3",
     "sun_face_4",
     "sun_face_5",
+    "estimated_q_x",
+    "estimated_q_y",
+    "estimated_q_z",
+    "estimated_q_w",
+    "estimated_sigma_x_deg",
+    "estimated_sigma_y_deg",
+    "estimated_sigma_z_deg",
+    "attitude_error_deg",
+    "attitude_source",
+    "estimated_rate_x_deg_s",
+    "estimated_rate_y_deg_s",
+    "estimated_rate_z_deg_s",
+    "estimated_rate_sigma_deg_s",
+    "rate_source",
+    "estimate_reason",
+    "gyro_bias_x_deg_s",
+    "gyro_bias_y_deg_s",
+    "gyro_bias_z_deg_s",
+    "estimated_dipole_x_am2",
+    "estimated_dipole_y_am2",
+    "estimated_dipole_z_am2",
+    "nis_field",
+    "nis_sun",
 ];
 
 /// Writes the history of a flight. Cells without a value are empty.
@@ -128,7 +154,30 @@ fn cells(row: &Row) -> Vec<String> {
     cells.one_of(measured.map(|sun| sun.error_deg));
     cells.add(row.measured_sun.missing().map_or("ok", missing_word));
     cells.all(row.sun_faces.map(face_word));
+    believed(&mut cells, row.believed.as_ref());
     cells.0
+}
+
+fn believed(cells: &mut Cells, believed: Option<&Believed>) {
+    let record = believed.map(|believed| believed.record);
+    let attitude = record.and_then(|record| record.attitude);
+    match attitude {
+        Some(attitude) => cells.all(attitude.xyzw),
+        None => cells.all([""; 4]),
+    }
+    let deg = |xyz: [f32; 3]| xyz.map(|x| f64::from(x).to_degrees());
+    cells.all_of(attitude.map(|attitude| deg(attitude.sigma_rad)));
+    cells.one_of(believed.and_then(|believed| believed.attitude_error_deg));
+    cells.add(attitude.map_or("", |attitude| attitude_word(attitude.source)));
+    let rate = record.and_then(|record| record.rate);
+    cells.all_of(rate.map(|rate| deg(rate.omega_bi_rad_s)));
+    cells.one_of(rate.map(|rate| f64::from(rate.sigma_rad_s).to_degrees()));
+    cells.add(rate.map_or("", |rate| rate_word(rate.source)));
+    cells.add(record.map_or("", |record| reason_word(record.reason)));
+    cells.all_of(record.and_then(|record| record.gyro_bias_rad_s).map(deg));
+    cells.all_of(record.and_then(|record| record.residual_dipole_am2).map(|m| m.map(f64::from)));
+    cells.one_of(record.and_then(|record| record.nis_field).map(f64::from));
+    cells.one_of(record.and_then(|record| record.nis_sun).map(f64::from));
 }
 
 struct Cells(Vec<String>);

@@ -101,6 +101,8 @@ fn caption(plot: &str, summary: &Summary) -> String {
         "field" => words::field(summary),
         "field-error" => words::field_error(),
         "sun-error" => words::sun_error(),
+        "attitude-error" => words::attitude_error(summary),
+        "residual-dipole" => words::residual_dipole(),
         "dipoles" => words::dipoles(summary),
         "first-minute" => words::first_minute(),
         "energy" => words::energy(summary),

@@ -1,5 +1,6 @@
 //! Which charts a report has.
 
+use adcs_core::attitude::selection::AttitudeSource;
 use adcs_core::sensing::FaceVerdict;
 use anyhow::Result;
 
@@ -32,6 +33,12 @@ pub fn plots(rows: &[Row]) -> Result<Vec<Plot>> {
     }
     if rows.iter().any(|row| row.measured_sun.value().is_some()) {
         plots.push(draw("sun-error", sun_error(rows))?);
+    }
+    if rows.iter().any(|row| attitude_error(row).is_some()) {
+        plots.push(draw("attitude-error", attitude_errors(rows))?);
+    }
+    if rows.iter().any(|row| residual_dipole(row).is_some()) {
+        plots.push(draw("residual-dipole", residual_dipoles(rows))?);
     }
     plots.push(draw("dipoles", dipoles(rows, "Dipole of the torquers"))?);
     let acted = rows.iter().any(is_driven);
@@ -126,6 +133,72 @@ fn sun_error(rows: &[Row]) -> Chart {
         error(row).filter(|_| seen(row) > 1)
     });
     chart("Angle between the measured and the true Sun", "error, deg", rows, vec![one, more])
+}
+
+fn attitude_error(row: &Row) -> Option<f64> {
+    row.believed?.attitude_error_deg
+}
+
+/// The error of the believed attitude, by its source, and 3 σ of what was promised; eclipse shaded.
+fn attitude_errors(rows: &[Row]) -> Chart {
+    let of = |source: AttitudeSource| {
+        move |row: &Row| {
+            let believed = row.believed?;
+            let from = believed.record.attitude?.source;
+            believed.attitude_error_deg.filter(|_| from == source)
+        }
+    };
+    let all = vec![
+        series(Some("3 σ as promised"), colour::pale(colour::BLACK), Style::Line(1.2), rows, |row| {
+            Some(3.0 * row.believed?.attitude_sigma_deg?)
+        }),
+        series(
+            Some("two vectors"),
+            colour::BLACK,
+            Style::Dots,
+            rows,
+            of(AttitudeSource::TwoVectors),
+        ),
+        series(Some("MEKF"), colour::BLUE, Style::Dots, rows, of(AttitudeSource::Mekf)),
+        series(
+            Some("dynamics-aided"),
+            colour::VERMILION,
+            Style::Dots,
+            rows,
+            of(AttitudeSource::Dynamic),
+        ),
+    ];
+    let title = "Angle between the believed and the true attitude";
+    Chart {
+        bands: eclipses(rows),
+        band_label: "eclipse",
+        ..chart(title, "error, deg", rows, all)
+    }
+}
+
+/// When the Sun was out of sight.
+fn eclipses(rows: &[Row]) -> Vec<(f64, f64)> {
+    let mut bands: Vec<(f64, f64)> = Vec::new();
+    let mut open = false;
+    for row in rows {
+        match bands.last_mut() {
+            Some(band) if open && !row.sunlit => band.1 = row.time_s,
+            _ if !row.sunlit => bands.push((row.time_s, row.time_s)),
+            _ => {}
+        }
+        open = !row.sunlit;
+    }
+    bands
+}
+
+fn residual_dipole(row: &Row) -> Option<[f64; 3]> {
+    Some(row.believed?.record.residual_dipole_am2?.map(f64::from))
+}
+
+fn residual_dipoles(rows: &[Row]) -> Chart {
+    let all = axes(Style::Line(1.4), rows, residual_dipole).collect();
+    let title = "Residual dipole as the dynamics-aided filter estimates it";
+    Chart { from_zero: false, ..chart(title, "dipole, A·m²", rows, all) }
 }
 
 fn dipoles(rows: &[Row], title: &'static str) -> Chart {

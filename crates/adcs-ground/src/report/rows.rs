@@ -1,5 +1,6 @@
 //! A flight in a person's units, row by row: what history, plots and summary are made of.
 
+use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
@@ -8,6 +9,7 @@ use adcs_core::sensing::FaceVerdict;
 use adcs_core::sensing::sun_faces::FACES;
 use adcs_core::time::Utc;
 use adcs_link::TruthRecord;
+use adcs_link::message::DeterminationRecord;
 
 use crate::flight::Flown;
 use crate::flight::records::Step;
@@ -72,6 +74,21 @@ pub struct Row {
     pub measured_sun: Reading<MeasuredSun>,
     /// What became of each Sun sensor.
     pub sun_faces: [FaceVerdict; FACES],
+    /// What stage II believed; `None` when it did not fly.
+    pub believed: Option<Believed>,
+}
+
+/// What stage II believed, beside the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Believed {
+    /// As it is in the record.
+    pub record: DeterminationRecord,
+    /// Angle between the believed and the true attitude, deg.
+    pub attitude_error_deg: Option<f64>,
+    /// σ of that angle: root of the sum over the three axes, deg.
+    pub attitude_sigma_deg: Option<f64>,
+    /// Length of the believed minus the true rate, deg/s.
+    pub rate_error_deg_s: Option<f64>,
 }
 
 /// The Sun as the Sun sensors see it.
@@ -148,6 +165,27 @@ fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row
             }
         }),
         sun_faces: record.sun_faces,
+        believed: record.determination.map(|record| believed(truth, record)),
+    }
+}
+
+fn believed(truth: &TruthRecord, record: DeterminationRecord) -> Believed {
+    let error = record.attitude.and_then(|it| {
+        let believed: Rotation<Body, Eci, f64> =
+            Rotation::from_attitude_quaternion(it.xyzw.map(f64::from))?;
+        Some((attitude(truth) * believed.inverse()).angle_rad().to_degrees())
+    });
+    let sigma = record.attitude.map(|it| norm(it.sigma_rad.map(f64::from)).to_degrees());
+    let rate_error = record.rate.map(|it| {
+        let off: [f64; 3] =
+            core::array::from_fn(|i| f64::from(it.omega_bi_rad_s[i]) - truth.omega_bi_rad_s[i]);
+        norm(off).to_degrees()
+    });
+    Believed {
+        record,
+        attitude_error_deg: error,
+        attitude_sigma_deg: sigma,
+        rate_error_deg_s: rate_error,
     }
 }
 
@@ -215,6 +253,40 @@ pub(super) fn phase_word(phase: Phase) -> &'static str {
         Phase::Settling => "settling",
         Phase::Measuring => "measuring",
         Phase::Acting => "acting",
+        Phase::Settled => "settled",
+    }
+}
+
+/// Where an attitude comes from, in a word.
+pub(super) fn attitude_word(source: AttitudeSource) -> &'static str {
+    match source {
+        AttitudeSource::Dynamic => "dynamic",
+        AttitudeSource::Mekf => "mekf",
+        AttitudeSource::TwoVectors => "two_vectors",
+    }
+}
+
+/// Where a rate comes from, in a word.
+pub(super) fn rate_word(source: RateSource) -> &'static str {
+    match source {
+        RateSource::Dynamic => "dynamic",
+        RateSource::GyroLessBias => "gyro_less_bias",
+        RateSource::Gyro => "gyro",
+        RateSource::AcrossField => "across_field",
+    }
+}
+
+/// Why a better source was not used, in a word.
+pub(super) fn reason_word(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Best => "best",
+        Reason::DynamicNotFlown => "dynamic_not_flown",
+        Reason::DynamicNotStarted => "dynamic_not_started",
+        Reason::DynamicNotTrusted => "dynamic_not_trusted",
+        Reason::MekfStarts => "mekf_starts",
+        Reason::MekfWithheld => "mekf_withheld",
+        Reason::MekfLost(_) => "mekf_lost",
+        Reason::MekfNotStarted => "mekf_not_started",
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use adcs_core::attitude::selection::AttitudeSource;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::Reading;
 use adcs_core::schedule::Phase;
 use serde::Serialize;
 
 use super::damping::{Damping, damping};
-use super::rows::{Row, missing_word, norm};
+use super::rows::{Row, attitude_word, missing_word, norm, reason_word};
 use crate::flight::{Ending, Flight, Flown, World};
 
 /// Seconds between the rates that are listed.
@@ -47,6 +48,8 @@ pub struct Summary {
     pub control: Control,
     /// How well the field was measured.
     pub field: Option<Field>,
+    /// How well the attitude was known; `None` when none was believed.
+    pub attitude: Option<Attitude>,
     /// Readings that were missing.
     pub missing: Missing,
     /// Violations of a chip's protocol that the device models counted.
@@ -152,6 +155,31 @@ pub struct Missing {
     pub reasons: BTreeMap<String, usize>,
 }
 
+/// How well the attitude was known.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Attitude {
+    /// When one was first believed, s.
+    pub first_s: f64,
+    /// Fraction of the cycles since in which one was believed.
+    pub share: f64,
+    /// Fraction of the cycles since in which it was that of the dynamics-aided filter.
+    pub dynamic_share: f64,
+    /// Rms of its angle to the truth in sunlight, deg, from [`SETTLED_S`] after the first on.
+    pub sunlit_rms_deg: Option<f64>,
+    /// The same in eclipse.
+    pub eclipse_rms_deg: Option<f64>,
+    /// Largest angle, likewise.
+    pub largest_deg: Option<f64>,
+    /// Rms of the length of the rate's error, likewise, deg/s.
+    pub rate_rms_deg_s: Option<f64>,
+    /// Cycles for each source and reason.
+    pub reasons: BTreeMap<String, usize>,
+}
+
+/// How long after the first attitude its errors begin to count, s: as long as the gyro bias takes to be
+/// known.
+pub const SETTLED_S: f64 = 600.0;
+
 /// The numbers of a flight; `None` when not a single cycle was recorded.
 pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row]) -> Option<Summary> {
     let (first, last) = (rows.first()?, rows.last()?);
@@ -185,6 +213,7 @@ pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row]) -> Option<Summary> 
         torquers: torquers(rows),
         control: control(rows, flown.cycle_s()),
         field: field(rows),
+        attitude: attitude(rows),
         missing: missing(rows),
         violations: flown.end.map(|end| end.violations),
         wall_s: flight.wall_s,
@@ -261,6 +290,37 @@ fn field(rows: &[Row]) -> Option<Field> {
         max_norm_error_nt: most(&errors),
         min_angle_deg: least(&angles),
         max_angle_deg: most(&angles),
+    })
+}
+
+fn attitude(rows: &[Row]) -> Option<Attitude> {
+    let error = |row: &Row| row.believed?.attitude_error_deg;
+    let source = |row: &Row| Some(row.believed?.record.attitude?.source);
+    let first = rows.iter().position(|row| error(row).is_some())?;
+    let since = rows.get(first..)?;
+    let first_s = since.first()?.time_s;
+    let share = |wanted: &dyn Fn(&Row) -> bool| {
+        since.iter().filter(|row| wanted(row)).count() as f64 / since.len() as f64
+    };
+    let settled = || since.iter().filter(|row| row.time_s >= first_s + SETTLED_S);
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        mean(&values.map(|value| value * value).collect::<Vec<_>>()).map(f64::sqrt)
+    };
+    let mut reasons = BTreeMap::new();
+    for row in rows {
+        let from = source(row).map_or("none", attitude_word);
+        let why = row.believed.map_or("not_flown", |it| reason_word(it.record.reason));
+        *reasons.entry(format!("{from}:{why}")).or_default() += 1;
+    }
+    Some(Attitude {
+        first_s,
+        share: share(&|row| error(row).is_some()),
+        dynamic_share: share(&|row| source(row) == Some(AttitudeSource::Dynamic)),
+        sunlit_rms_deg: rms(&mut settled().filter(|row| row.sunlit).filter_map(error)),
+        eclipse_rms_deg: rms(&mut settled().filter(|row| !row.sunlit).filter_map(error)),
+        largest_deg: settled().filter_map(error).reduce(f64::max),
+        rate_rms_deg_s: rms(&mut settled().filter_map(|row| row.believed?.rate_error_deg_s)),
+        reasons,
     })
 }
 

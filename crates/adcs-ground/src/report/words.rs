@@ -83,6 +83,33 @@ pub fn sun_error() -> String {
         .to_owned()
 }
 
+/// About the attitude.
+pub fn attitude_error(summary: &Summary) -> String {
+    let Some(attitude) = &summary.attitude else {
+        return "No attitude was believed for a moment of this flight.".to_owned();
+    };
+    let part = |name: &str, rms: Option<f64>| {
+        rms.map_or_else(String::new, |rms| format!(" {rms:.2} deg rms {name}."))
+    };
+    format!(
+        "First believed after {:.1} s, and for {:.0} % of the time since; from the dynamics-aided \
+         filter for {:.0} %.{}{} Shaded: eclipse, in which the field alone corrects the attitude. An \
+         error that stays below the grey line is no larger than the filter promised.",
+        attitude.first_s,
+        100.0 * attitude.share,
+        100.0 * attitude.dynamic_share,
+        part("in sunlight", attitude.sunlit_rms_deg),
+        part("in eclipse", attitude.eclipse_rms_deg),
+    )
+}
+
+/// About the residual dipole.
+pub fn residual_dipole() -> String {
+    "What the satellite itself is as a magnet, learned from how it turns. It steps when the filter \
+     starts anew and wanders when panels switch their currents in and out of the shadow."
+        .to_owned()
+}
+
 /// About the torquers.
 pub fn dipoles(summary: &Summary) -> String {
     let Torquers { duty, mean_dipole_am2, saturated, refused_cycles } = summary.torquers;

@@ -260,7 +260,7 @@ fn sensors<T: RealField + Copy>(moment: &Moment, dt_s: f64) -> mekf::Inputs<T> {
     let field =
         moment.field_b.map(|body| FieldPair { body: vector(body), eci: vector(moment.field_i) });
     let sun = moment.sun_b.and_then(|body| {
-        Some(SunPair { body: vector(body).direction()?, eci: vector(moment.sun_i).direction()? })
+        Some(SunPair { body: vector(body).direction()?, eci: vector(moment.sun_i).direction()?, sigma_rad: None })
     });
     mekf::Inputs { dt_s: convert(dt_s), gyro, field, sun }
 }

@@ -279,7 +279,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
 
     fn update_sun(&self, tracked: &mut Tracked<T>, sun: &SunPair<T>) -> Option<Innovation<T>> {
         let expected = (tracked.motion.r_bi * sun.eci).vector();
-        let noise = self.parameters.sensors.sun_noise_rad;
+        let noise = sun.sigma_rad(self.parameters.sensors.sun_noise_rad);
         let measured = sun.body.vector();
         let rows = mekf::measurement::direction::<T, 3>(expected.xyz, measured.xyz, noise * noise)?
             .map(|row| Row::new([(Block::Attitude, row.h)], row.innovation, row.variance));

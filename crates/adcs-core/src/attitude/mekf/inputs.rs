@@ -34,6 +34,9 @@ pub struct SunPair<T: RealField + Copy = f32> {
     pub body: Direction<Body, T>,
     /// As the model gives it, outside eclipse.
     pub eci: Direction<Eci, T>,
+    /// σ of this measurement across the line of sight, each of two axes, rad; `None`: as the
+    /// parameters say.
+    pub sigma_rad: Option<T>,
 }
 
 /// An attitude from somewhere else: the ground, or a filter that ran before.
@@ -52,8 +55,19 @@ pub struct GivenStart<T: RealField + Copy = f32> {
 /// Largest flux density that can be the Earth's, T: 67 µT at the surface near the magnetic poles, and
 /// room for an uncalibrated magnetometer.
 const STRONGEST_FIELD_T: f64 = 2e-4;
+/// Smallest σ that a Sun sensor may claim, rad: the parameters accept no smaller one either.
+const SMALLEST_SUN_SIGMA_RAD: f64 = 1e-4;
 /// Smallest flux density with a usable direction, T: that of the dipole 30 Earth radii out.
 const WEAKEST_FIELD_T: f64 = 1e-9;
+
+impl<T: RealField + Copy> SunPair<T> {
+    /// σ across the line of sight, rad: the measurement's own, if it can be one, else that of the
+    /// parameters.
+    pub(in crate::attitude) fn sigma_rad(&self, of_parameters: T) -> T {
+        let possible = |sigma: &T| *sigma >= convert(SMALLEST_SUN_SIGMA_RAD) && *sigma <= T::pi();
+        self.sigma_rad.filter(possible).unwrap_or(of_parameters)
+    }
+}
 
 impl<T: RealField + Copy> FieldPair<T> {
     /// Whether both can be a field of the Earth: finite, neither too strong nor too weak.

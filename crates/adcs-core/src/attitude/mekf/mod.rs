@@ -193,7 +193,8 @@ impl<T: RealField + Copy> Mekf<T> {
     pub fn update_sun(&self, state: &mut MekfState<T>, sun: &SunPair<T>) -> Option<Innovation<T>> {
         let tracked = state.tracked.as_mut()?;
         let expected = (tracked.r_bi * sun.eci).vector();
-        let variance = self.parameters.sun_noise_rad * self.parameters.sun_noise_rad;
+        let sigma = sun.sigma_rad(self.parameters.sun_noise_rad);
+        let variance = sigma * sigma;
         let correction = measurement::direction(expected.xyz, sun.body.vector().xyz, variance)
             .and_then(|rows| absorb(&tracked.covariance, &rows));
         let innovation = state.monitor.judge_sun(nis(&correction), self.parameters.gates.sun_nis);

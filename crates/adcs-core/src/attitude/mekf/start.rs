@@ -40,14 +40,14 @@ impl<T: RealField + Copy> Mekf<T> {
         let (sine, cosine) = (b.0 * i.1 - b.1 * i.0, b.1 * i.1 + b.0 * i.0);
 
         let strength = (b_norm - i_norm) / self.field_noise_t;
-        let squares = sine * sine / self.angle_variance(i_norm) + strength * strength;
+        let squares = sine * sine / self.angle_variance(sun, i_norm) + strength * strength;
         cosine > T::zero() && squares <= convert(AGREEMENT_GATE)
     }
 
     /// Attitude from one field and one Sun. `None` when they are too close to parallel to know the
     /// attitude within the limit of linearity.
     pub(super) fn align(&self, field: &FieldPair<T>, sun: &SunPair<T>) -> Option<Alignment<T>> {
-        let sun_noise = self.parameters.sun_noise_rad;
+        let sun_noise = sun.sigma_rad(self.parameters.sun_noise_rad);
         let field_noise = self.field_noise_t / field.eci.norm();
         let observations = [
             Observation::new(sun.body.vector(), sun.eci.vector(), sun_noise).ok()?,
@@ -61,8 +61,8 @@ impl<T: RealField + Copy> Mekf<T> {
     }
 
     /// Variance of the angle between Sun and a field of `strength_t`, rad².
-    fn angle_variance(&self, strength_t: T) -> T {
-        let sun = self.parameters.sun_noise_rad;
+    fn angle_variance(&self, sun: &SunPair<T>, strength_t: T) -> T {
+        let sun = sun.sigma_rad(self.parameters.sun_noise_rad);
         let field = self.field_noise_t / strength_t;
         sun * sun + field * field
     }
@@ -86,6 +86,7 @@ mod tests {
         let sun = SunPair {
             body: Vector::new(s, -c, 0.0).direction().unwrap(),
             eci: Vector::new(c, s, 0.0).direction().unwrap(),
+            sigma_rad: None,
         };
         (field, sun)
     }
@@ -123,7 +124,7 @@ mod tests {
         let (c, s) = (0.999_39, 0.034_9);
         let eci = along(c, s);
         let body = Vector::new(s, -c, 0.0).direction().unwrap();
-        assert!(mekf().align(&field, &SunPair { body, eci }).is_none());
+        assert!(mekf().align(&field, &SunPair { body, eci, sigma_rad: None }).is_none());
         assert!(mekf().align(&field, &sun).is_some());
     }
 }

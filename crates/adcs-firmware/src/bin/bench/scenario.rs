@@ -36,11 +36,12 @@ pub fn despin(readings: Readings) -> Scenario {
         version: VERSION,
         flight: FlightParameters {
             cycle_us: 500_000,
-            schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000 },
+            schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
             law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
             gyro: TriadParameters::default(),
             magnetometer: TriadParameters::default(),
             sun_sensors: Some(SunFacesParameters::SPROUT),
+            attitude: None,
             torquers,
             elements: Some(elements),
         },

@@ -1,0 +1,90 @@
+//! Section `attitude`: which filters fly, and what they are told. A mission without the section flies
+//! without attitude, which despin does not need.
+
+use adcs_core::attitude::dynamic::{DynamicError, DynamicParameters, TorqueNoise};
+use adcs_core::attitude::mekf::{FieldNoise, MekfParameters};
+use adcs_core::attitude::selection::{Estimator, EstimatorParameters, Flies};
+
+use super::problem::Fault;
+use super::section::Section;
+use super::typed::{Check, FINITE, POSITIVE};
+
+const T_PER_NT: f64 = 1e-9;
+
+const NOT_NEGATIVE: Check = Check::new(|x| x >= 0.0 && x.is_finite(), "zero or positive");
+
+/// `Some(None)` for a flight without; `None` when something is wrong.
+///
+/// `inertia_kg_m2` is the true tensor: what the filters are told when the section says nothing else.
+pub(super) fn attitude(
+    root: &Section,
+    inertia_kg_m2: Option<[[f64; 3]; 3]>,
+) -> Option<Option<EstimatorParameters>> {
+    let Some(section) = root.section_if_any("attitude")? else { return Some(None) };
+    let usual = DynamicParameters::<f64>::default();
+    let MekfParameters { field_noise, .. } = usual.sensors;
+    let deg = f64::to_degrees;
+
+    let flies =
+        section.choice("filter", &[("mekf", Flies::Mekf), ("dynamic", Flies::Both)]);
+    let gyro_noise =
+        section.number_or("gyro_noise_deg_s", POSITIVE, deg(usual.sensors.gyro_noise_rad_s));
+    let bias_walk = section.number_or(
+        "gyro_bias_walk_deg_s_per_sqrt_s",
+        NOT_NEGATIVE,
+        deg(usual.sensors.bias_walk_rad_s_per_sqrt_s),
+    );
+    let bias_prior =
+        section.number_or("gyro_bias_prior_deg_s", POSITIVE, deg(usual.sensors.bias_prior_rad_s));
+    let field_nt = |tesla: f64| tesla / T_PER_NT;
+    let field = section.number_or("field_noise_nt", POSITIVE, field_nt(field_noise.sensor_t));
+    let calibration = section.number_or("field_calibration_nt", NOT_NEGATIVE, 0.0);
+    let model = section.number_or("field_model_nt", NOT_NEGATIVE, field_nt(field_noise.model_t));
+    let sun = section.number_or("sun_noise_deg", POSITIVE, deg(usual.sensors.sun_noise_rad));
+    let inertia = match inertia_kg_m2 {
+        Some(truth) => section.matrix_or("inertia_kg_m2", truth),
+        None => section.matrix_or("inertia_kg_m2", usual.inertia_kg_m2),
+    };
+    let dipole = section.vector_or("residual_dipole_am2", FINITE, usual.dipole_am2);
+    let dipole_prior =
+        section.number_or("residual_dipole_prior_am2", POSITIVE, usual.dipole_prior_am2);
+    let torque = section.number_or("unknown_torque_n_m", POSITIVE, usual.torque.start_n_m);
+    section.finish();
+
+    let single = |x: f64| x as f32;
+    let field_noise = FieldNoise {
+        sensor_t: single(field? * T_PER_NT),
+        calibration_t: single(calibration? * T_PER_NT),
+        model_t: single(model? * T_PER_NT),
+    };
+    let parameters = EstimatorParameters {
+        flies: flies?,
+        dynamics: DynamicParameters {
+            sensors: MekfParameters {
+                gyro_noise_rad_s: single(gyro_noise?.to_radians()),
+                bias_walk_rad_s_per_sqrt_s: single(bias_walk?.to_radians()),
+                bias_prior_rad_s: single(bias_prior?.to_radians()),
+                field_noise,
+                sun_noise_rad: single(sun?.to_radians()),
+                ..MekfParameters::default()
+            },
+            inertia_kg_m2: inertia?.map(|row| row.map(single)),
+            dipole_am2: dipole?.map(single),
+            dipole_prior_am2: single(dipole_prior?),
+            torque: TorqueNoise {
+                start_n_m: single(torque?),
+                ..DynamicParameters::<f32>::default().torque
+            },
+            ..DynamicParameters::default()
+        },
+    };
+    if let Err(error) = Estimator::<f32>::new(&parameters) {
+        let key = match error {
+            DynamicError::Inertia => "inertia_kg_m2",
+            _ => "filter",
+        };
+        section.refuse(key, Fault::new(format!("impossible: {error}")));
+        return None;
+    }
+    Some(Some(parameters))
+}

@@ -149,8 +149,11 @@ fn any_vector<F>() -> impl Strategy<Value = Vector<F>> {
 
 fn any_inputs() -> impl Strategy<Value = DynamicInputs> {
     let dt_s = prop_oneof![6 => 0.0..2.0_f32, 1 => anything()];
-    let sun = (any_vector(), any_vector())
-        .prop_map(|(body, eci)| Some(SunPair { body: body.direction()?, eci: eci.direction()? }));
+    let sun = (any_vector(), any_vector(), prop::option::of(anything())).prop_map(
+        |(body, eci, sigma_rad)| {
+            Some(SunPair { body: body.direction()?, eci: eci.direction()?, sigma_rad })
+        },
+    );
     let field = prop::option::of((any_vector(), any_vector()));
     let sensors = (dt_s, prop::option::of(any_vector()), field, sun);
     let model = (

@@ -114,7 +114,11 @@ impl World {
                 dt_s: 1.0,
                 gyro: Reading::Fresh(vector(gyro)),
                 field: Some(FieldPair { body: vector(field_b), eci: vector(field) }),
-                sun: self.lit.then(|| SunPair { body: direction(sun_b), eci: direction(sun) }),
+                sun: self.lit.then(|| SunPair {
+                    body: direction(sun_b),
+                    eci: direction(sun),
+                    sigma_rad: None,
+                }),
             },
             reference_field: Some(vector(field)),
             position: Some(vector(Self::up(self.t_s) * ORBIT_RADIUS_M)),

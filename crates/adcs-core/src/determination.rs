@@ -9,7 +9,7 @@ use crate::environment::sunlight::Sunlight;
 use crate::frames::{Body, Eci, Rotation, Vector};
 use crate::orbit::OrbitState;
 use crate::reading::{MissingReason, Reading};
-use crate::sensing::{EarthDisc, Expected, SunPrediction, SunSighting};
+use crate::sensing::{EarthDisc, Expected, SunDirection, SunPrediction, SunSighting};
 use crate::time::Utc;
 
 /// The Sun counts as shining from this fraction of its disc on.
@@ -19,6 +19,11 @@ const LIT: f32 = 0.5;
 const MISTAKEN: u8 = 5;
 /// Predictions that are vaguer tell nothing, rad.
 const VAGUE_RAD: f32 = 0.35;
+/// By how much a satellite turns until the Earth's light falls differently on a face, rad: some part of
+/// the Earth's disc (65 deg of radius at 615 km) and of a face's cone (55 deg).
+const PULL_TURN_RAD: f32 = 0.5;
+/// How long it falls the same way when the satellite does not turn, s: a tenth of the orbit's day side.
+const PULL_LASTS_S: f32 = 300.0;
 /// Mean radius of the Earth, m (IUGG R₁).
 const EARTH_RADIUS_M: f64 = 6_371_009.0;
 
@@ -103,15 +108,16 @@ impl StageState {
         let lit = sensed.sunlight.and_then(|sunlight| sunlight.lit).map(|lit| lit >= LIT);
         let sun = sensed.sun_b.sun.value().zip(sensed.sunlight.filter(|_| lit == Some(true)));
         let field = sensed.field_b.value().zip(sensed.reference_field);
+        let dt_s = self.last.map_or(0.0, |last| now.seconds_since(last.at) as f32);
         let inputs = DynamicInputs {
             sensors: mekf::Inputs {
-                dt_s: self.last.map_or(0.0, |last| now.seconds_since(last.at) as f32),
+                dt_s,
                 gyro: sensed.omega_bi,
                 field: field.map(|(body, eci)| FieldPair { body, eci }),
                 sun: sun.map(|(seen, sunlight)| SunPair {
                     body: seen.direction,
                     eci: sunlight.direction,
-                    sigma_rad: Some(seen.sigma_rad),
+                    sigma_rad: Some(self.sun_sigma_rad(&seen, dt_s)),
                 }),
             },
             reference_field: sensed.reference_field,
@@ -128,6 +134,23 @@ impl StageState {
         };
         self.last = Some(Last { at: now, believed: Believed::of(&determination) });
         determination
+    }
+}
+
+impl StageState {
+    /// σ that a filter may give to a Sun that is seen every `dt_s`, so that it averages out what is noise
+    /// and no more: foreign light pulls the spot the same way until the satellite has turned.
+    ///
+    /// A disturbance of variance p² that is correlated over τ tells over a long time as little as white
+    /// noise of variance 2 p² τ / Δt.
+    fn sun_sigma_rad(&self, seen: &SunDirection, dt_s: f32) -> f32 {
+        let pull = seen.pull_rad * seen.pull_rad;
+        let noise = seen.sigma_rad * seen.sigma_rad - pull;
+        let rate = self.last.and_then(|last| last.believed).map_or(0.0, |it| it.omega_bi.norm());
+        let longest_s = PULL_LASTS_S;
+        let lasts_s = if rate * longest_s > PULL_TURN_RAD { PULL_TURN_RAD / rate } else { longest_s };
+        let alike = if dt_s > 0.0 { (2.0 * lasts_s / dt_s).max(1.0) } else { 1.0 };
+        libm::sqrtf(noise + pull * alike)
     }
 }
 

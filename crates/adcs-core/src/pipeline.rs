@@ -18,7 +18,7 @@ use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::sun_faces::FACES;
-use crate::sensing::{Expected, SunFaces, SunSighting, Triad};
+use crate::sensing::{Expected, Frozen, SunFaces, SunSighting, Triad};
 use crate::time::Utc;
 
 /// The law of stage III.
@@ -57,6 +57,8 @@ pub struct State {
     orbit_nodes: OrbitNodes,
     sun_nodes: SunNodes,
     field_model: Option<FieldModel<f32>>,
+    frozen_gyro: Frozen,
+    frozen_magnetometer: Frozen,
     determination: StageState,
     held: Decision,
 }
@@ -130,9 +132,10 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     let sunlight = state.sunlight(configuration, inputs.now, orbit.as_ref());
 
     // What it does see, in Body.
-    let omega_bi = configuration.gyro.to_body(inputs.rate_rad_s);
+    let (rate_rad_s, field_t) = state.still_measured(configuration, inputs);
+    let omega_bi = configuration.gyro.to_body(rate_rad_s);
     let field_b = match inputs.phase {
-        Phase::Settled | Phase::Measuring => configuration.magnetometer.to_body(inputs.field_t),
+        Phase::Settled | Phase::Measuring => configuration.magnetometer.to_body(field_t),
         Phase::Settling | Phase::Acting => Reading::Missing(MissingReason::TorquersOn),
     };
     let expected = state.determination.expected(inputs.now, orbit.as_ref(), sunlight.as_ref());
@@ -248,6 +251,21 @@ impl Default for Decision {
 }
 
 impl State {
+    /// What gyro and magnetometer say, unless they have frozen. Without stage II nobody could take
+    /// over, and despin flies on what there is.
+    fn still_measured(
+        &mut self,
+        configuration: &Configuration,
+        inputs: &Inputs,
+    ) -> ([Reading<f32>; 3], [Reading<f32>; 3]) {
+        let gyro = self.frozen_gyro.screen(inputs.rate_rad_s);
+        let magnetometer = self.frozen_magnetometer.screen(inputs.field_t);
+        match configuration.estimator {
+            Some(_) => (gyro, magnetometer),
+            None => (inputs.rate_rad_s, inputs.field_t),
+        }
+    }
+
     /// Where the satellite is, from SGP4 at the nodes around `now`.
     fn orbit(&mut self, configuration: &Configuration, now: Utc) -> Option<OrbitState> {
         configuration.orbit.as_ref()?.state(&mut self.orbit_nodes, now).ok()

@@ -25,6 +25,8 @@ pub enum MissingReason {
     Unpredicted,
     /// Several things look like the Sun, in different directions.
     Disagree,
+    /// The sensor repeats itself to the last bit: it has stopped measuring.
+    Frozen,
 }
 
 /// One value of type `T`, fresh or missing.

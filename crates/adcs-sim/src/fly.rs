@@ -8,6 +8,7 @@ use adcs_app::{FlightApp, Health, ParameterError};
 use adcs_core::time::{TimeScaleError, Utc};
 use adcs_hal::board::Board;
 use adcs_hal::driver_board::{self, Clock};
+use adcs_hal::fault::{Fault, FaultInjector};
 use adcs_link::message::{self, End, Hello, Message};
 
 use crate::devices::{Bench, BenchConfig, Faults};
@@ -97,17 +98,33 @@ pub fn fly<E>(
     scenario: &Scenario,
     sink: impl FnMut(&Message) -> Result<(), E>,
 ) -> Result<Outcome, Stopped<E>> {
+    fly_with_faults(scenario, &[], sink)
+}
+
+/// As [`fly`], with sensors and torquers that fail by a script between the drivers and the application.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_with_faults<E>(
+    scenario: &Scenario,
+    faults: &[Fault],
+    sink: impl FnMut(&Message) -> Result<(), E>,
+) -> Result<Outcome, Stopped<E>> {
     if scenario.version != scenario::VERSION {
         return Err(FlightError::Version { found: scenario.version }.into());
     }
     let world = RefCell::new(World::new(&scenario.world, &scenario.board)?);
     match scenario.readings {
-        Readings::Exact => fly_board(scenario, &world, ExactBoard::new(&world), || 0, sink),
+        Readings::Exact => {
+            let board = FaultInjector::new(ExactBoard::new(&world), faults);
+            fly_board(scenario, &world, board, || 0, sink)
+        }
         Readings::Drivers => {
             let bench = Bench::new(&world, bench_config(scenario));
             bench.set_faults(Faults { spi: scenario.converter_fault, ..Faults::default() });
             let board =
                 bench.board(scenario.board, WorldClock(&world)).map_err(FlightError::Board)?;
+            let board = FaultInjector::new(board, faults);
             fly_board(scenario, &world, board, || bench.violations().count, sink)
         }
     }

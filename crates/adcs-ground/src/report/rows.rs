@@ -226,6 +226,7 @@ pub(super) fn missing_word(reason: MissingReason) -> &'static str {
         MissingReason::NotTheSun => "not_the_sun",
         MissingReason::Unpredicted => "unpredicted",
         MissingReason::Disagree => "disagree",
+        MissingReason::Frozen => "frozen",
         _ => "missing",
     }
 }

@@ -58,6 +58,8 @@ pub struct SunFaces {
 struct Candidate {
     direction: Vector<Body>,
     variance_rad2: f32,
+    /// The share of it that foreign light makes.
+    pull_rad2: f32,
     light: f32,
     /// Whether its face is known to have the Earth in view.
     earth: bool,
@@ -152,6 +154,7 @@ impl SunFaces {
         Ok(Candidate {
             direction: spot.direction.vector(),
             variance_rad2: self.sigma_rad * self.sigma_rad + pull_rad2,
+            pull_rad2,
             light: spot.light,
             earth,
         })
@@ -209,12 +212,13 @@ impl SunFaces {
         verdicts: &mut [FaceVerdict; FACES],
     ) -> Reading<SunDirection> {
         let mut sum = Vector::<Body>::zero();
-        let mut weight = 0.0;
+        let (mut weight, mut pull) = (0.0, 0.0);
         for (verdict, candidate) in verdicts.iter_mut().zip(candidates) {
             if let Some(candidate) = candidate.filter(|other| self.agree(&spokesman, other)) {
                 // The variance is at least σ₀², which is positive.
                 sum = sum + candidate.direction * (1.0 / candidate.variance_rad2);
                 weight += 1.0 / candidate.variance_rad2;
+                pull += candidate.pull_rad2 / (candidate.variance_rad2 * candidate.variance_rad2);
                 *verdict = FaceVerdict::Used;
             }
         }
@@ -229,7 +233,8 @@ impl SunFaces {
             .map(|candidate| (candidate.direction - direction.vector()).norm())
             .fold(0.0, f32::max);
         let sigma_rad = 1.0 / libm::sqrtf(weight);
-        Reading::Fresh(SunDirection { direction, sigma_rad, worst_residual_rad })
+        let pull_rad = libm::sqrtf(pull) / weight;
+        Reading::Fresh(SunDirection { direction, sigma_rad, pull_rad, worst_residual_rad })
     }
 }
 

@@ -80,6 +80,9 @@ pub struct SunDirection {
     pub direction: Direction<Body>,
     /// σ about each axis across that direction, rad.
     pub sigma_rad: f32,
+    /// The part of it that foreign light makes, rad: no noise, but the same for as long as Sun and Earth
+    /// stand the same in the face.
+    pub pull_rad: f32,
     /// By how much the face furthest from the answer differs from it, rad; nothing but rounding with one face.
     pub worst_residual_rad: f32,
 }

@@ -48,7 +48,8 @@ fn stage_two(record: &CycleRecord) -> DeterminationRecord {
 fn error_deg(truth: &TruthRecord, record: &CycleRecord) -> Option<f64> {
     let believed: Rotation<Body, Eci, f64> =
         Rotation::from_attitude_quaternion(stage_two(record).attitude?.xyzw.map(f64::from))?;
-    let attitude: Rotation<Body, Eci, f64> = Rotation::from_attitude_quaternion(truth.attitude_xyzw)?;
+    let attitude: Rotation<Body, Eci, f64> =
+        Rotation::from_attitude_quaternion(truth.attitude_xyzw)?;
     Some((attitude * believed.inverse()).angle_rad().to_degrees())
 }
 
@@ -162,8 +163,8 @@ fn gyros_that_freeze_are_found_and_count_as_dead() {
 #[test]
 fn without_gyros_from_the_start_the_field_gives_the_rate_across_it_and_despin_works() {
     // GIVEN a satellite whose gyros never spoke WHEN it despins
-    let faults =
-        [0, 1, 2].map(|axis| Fault { first_cycle: 0, ..from_then_on(gone(SensorAxis::Gyro(axis))) });
+    let faults = [0, 1, 2]
+        .map(|axis| Fault { first_cycle: 0, ..from_then_on(gone(SensorAxis::Gyro(axis))) });
     let flight = fly_with_faults(&into_the_night(), &faults);
     // THEN there is a rate whenever the field has been measured twice,
     let across = |it: &CycleRecord| rate_source(it) == Some(RateSource::AcrossField);

@@ -148,7 +148,8 @@ impl StageState {
         let noise = seen.sigma_rad * seen.sigma_rad - pull;
         let rate = self.last.and_then(|last| last.believed).map_or(0.0, |it| it.omega_bi.norm());
         let longest_s = PULL_LASTS_S;
-        let lasts_s = if rate * longest_s > PULL_TURN_RAD { PULL_TURN_RAD / rate } else { longest_s };
+        let lasts_s =
+            if rate * longest_s > PULL_TURN_RAD { PULL_TURN_RAD / rate } else { longest_s };
         let alike = if dt_s > 0.0 { (2.0 * lasts_s / dt_s).max(1.0) } else { 1.0 };
         libm::sqrtf(noise + pull * alike)
     }

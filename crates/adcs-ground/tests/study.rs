@@ -38,6 +38,7 @@ fn flown(name: &str, flights: u64) -> Flown {
     );
     // Neither filter is ever without an estimate, and what is believed is no worse than the MEKF.
     assert_eq!((all.mekf.without, all.dynamic.without, all.believed.without), (0, 0, 0));
+    assert_eq!(all.dynamic.not_positive, 0);
     assert!(all.believed.eclipse.rms() <= 1.1 * all.mekf.eclipse.rms());
     Flown { all, ratio }
 }

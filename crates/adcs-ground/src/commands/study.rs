@@ -145,11 +145,12 @@ fn show(scene: &Scene, flights: &[Flight]) {
     line("  bound", &all.dynamic_bound);
     line("believed", &all.believed);
     print(format_args!(
-        "  {} s without estimate, {} s not trusted, {} starts in {} flights",
+        "  {} s without estimate, {} s not trusted, {} starts in {} flights, covariance not positive in {} s",
         all.believed.without,
         all.dynamic.distrusted,
         all.dynamic.starts,
         flights.len(),
+        all.dynamic.not_positive,
     ));
 }
 

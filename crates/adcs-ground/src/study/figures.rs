@@ -63,6 +63,8 @@ pub struct Figures {
     pub distrusted: u32,
     /// How often the filter was started.
     pub starts: u32,
+    /// Seconds in which the covariance had no Cholesky factor.
+    pub not_positive: u32,
 }
 
 impl Figures {
@@ -102,5 +104,6 @@ impl Figures {
         self.without += other.without;
         self.distrusted += other.distrusted;
         self.starts += other.starts;
+        self.not_positive += other.not_positive;
     }
 }

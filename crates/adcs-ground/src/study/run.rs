@@ -70,6 +70,8 @@ pub fn fly(scene: &Scene, seed: u64) -> Result<Flight> {
         bounds.linearise_at(&moment, &told_the_truth);
         // The sensors speak once a second; so do the statistics.
         let (Some(mekf), Some(mekf_bound)) = (found.mekf, bound.mekf) else { continue };
+        let positive = filters.dynamic_state.covariance_is_positive().unwrap_or(true);
+        flight.dynamic.not_positive += u32::from(!positive);
         flight.dynamic.starts += u32::from(found.dynamic.event == Some(DynamicEvent::Started));
         if moment.t_s < TRANSIENT_S {
             continue;

@@ -13,7 +13,7 @@
 //!
 //! Source: Bierman (1977), §II.5, for the scalar Joseph update as two corrections of rank one.
 
-use nalgebra::{ComplexField, Matrix3, RealField, Vector3, convert};
+use nalgebra::{Cholesky, ComplexField, Matrix3, RealField, SMatrix, Vector3, convert};
 
 use super::block::{Block, COUNT};
 
@@ -215,6 +215,22 @@ impl<T: RealField + Copy> Covariance<T> {
                 self.set(row, column, &mean);
             }
         }
+    }
+
+    /// Whether all states that fly have a Cholesky factor: what the variances alone do not show.
+    pub(crate) fn is_positive(&self) -> bool {
+        const STATES: usize = 3 * COUNT;
+        let mut whole = SMatrix::<T, STATES, STATES>::zeros();
+        for row in Block::ALL {
+            for column in Block::ALL {
+                let (r, c) = (3 * row as usize, 3 * column as usize);
+                whole.fixed_view_mut::<3, 3>(r, c).copy_from(&self.block(row, column));
+            }
+        }
+        // A state that is switched off has neither variance nor covariance.
+        let absent = whole.diagonal().map(|v| if v == T::zero() { T::one() } else { T::zero() });
+        whole.set_diagonal(&(whole.diagonal() + absent));
+        Cholesky::new(whole).is_some()
     }
 
     /// Whether every number is finite and no variance negative.

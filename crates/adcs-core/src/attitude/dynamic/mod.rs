@@ -102,6 +102,12 @@ pub struct Truth<T: RealField + Copy> {
 }
 
 impl<T: RealField + Copy> DynamicState<T> {
+    /// Whether the covariance of all states has a Cholesky factor; `None` without an estimate. For
+    /// campaigns: it costs more than a cycle.
+    pub fn covariance_is_positive(&self) -> Option<bool> {
+        self.tracked.as_ref().map(|tracked| tracked.covariance.is_positive())
+    }
+
     /// Replaces what is estimated by the truth and keeps the covariance, which then is the one that a
     /// filter without any error of linearisation would have: called every cycle in a simulation, it
     /// makes of the filter the posterior Cramér–Rao bound on these measurements.

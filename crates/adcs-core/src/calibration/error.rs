@@ -63,12 +63,15 @@ pub enum CalibrationError {
         /// What it shows.
         found: f32,
     },
-    /// The data sheet's sensitivity is not finite and positive, or its zero is not finite.
-    DataSheet {
-        /// Sensitivity.
-        sensitivity: f32,
-        /// Zero.
-        zero: f32,
+    /// The sensitivity to start from is not finite and positive.
+    Sensitivity {
+        /// What was given.
+        found: f32,
+    },
+    /// The reading without field is not finite.
+    Zero {
+        /// What was given.
+        found: f32,
     },
     /// The readings are on no ellipsoid: the linear start has a squared scale that is not positive.
     NoEllipsoid {
@@ -115,10 +118,10 @@ impl fmt::Display for CalibrationError {
             Self::Constant { axis, found } => {
                 write!(f, "axis {axis} shows {found} in all samples")
             }
-            Self::DataSheet { sensitivity, zero } => write!(
-                f,
-                "the sensitivity {sensitivity} must be finite and positive, its zero {zero} finite"
-            ),
+            Self::Sensitivity { found } => {
+                write!(f, "the sensitivity {found} must be finite and positive")
+            }
+            Self::Zero { found } => write!(f, "the zero {found} must be finite"),
             Self::NoEllipsoid { axis } => write!(
                 f,
                 "the readings are on no ellipsoid (the linear start has no scale for axis {axis}): \

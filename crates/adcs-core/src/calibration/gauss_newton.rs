@@ -12,8 +12,9 @@
 //! 1963): near the optimum it never is, but from a start of half the scale or a bias of the size of
 //! the field the paper's step may overshoot.
 //!
-//! Everything is computed with readings in units of the largest of their axis and fields in units of
-//! the strongest: all of s, b, V, I, r are then of order one, and f32 has digits to spare.
+//! Everything is computed with readings counted from the data sheet's zero, in units of the largest of
+//! their axis, and with fields in units of the strongest: all of s, b, V, I, r are then of order one, a
+//! wrong bias is not mistaken for a wrong scale, and f32 has digits to spare.
 
 use nalgebra::{RealField, SMatrix, SVector};
 
@@ -66,11 +67,12 @@ where
     I::IntoIter: Clone,
 {
     let samples = samples.into_iter();
-    let units = Units::of(samples.clone())?;
+    let (Start::DataSheet(DataSheet { zero, .. }) | Start::Linear { zero }) = *start;
+    let units = Units::of(samples.clone(), zero)?;
     let scaled = samples.clone().map(move |sample| units.scaled(sample));
     let start = match start {
         Start::DataSheet(data_sheet) => units.start(data_sheet)?,
-        Start::Linear => linear::start(scaled.clone())?,
+        Start::Linear { .. } => linear::start(scaled.clone())?,
     };
     let found = descend(&scaled, start)?;
 
@@ -93,9 +95,10 @@ where
     units.calibration(samples, &scaled, x, &found, &Spectrum::of(&pass(&scaled, &x).normal))
 }
 
-/// Largest readings and strongest field: the units in which all is computed.
+/// Zero, largest readings and strongest field: the units in which all is computed.
 #[derive(Debug, Clone, Copy)]
 struct Units<T> {
+    zero: T,
     reading: [T; 3],
     intensity: T,
     samples: u32,
@@ -103,8 +106,11 @@ struct Units<T> {
 
 impl<T: RealField + Copy> Units<T> {
     /// Looks all samples over.
-    fn of(samples: impl Iterator<Item = Sample<T>>) -> Result<Self, CalibrationError> {
-        let mut found = Self { reading: [T::zero(); 3], intensity: T::zero(), samples: 0 };
+    fn of(samples: impl Iterator<Item = Sample<T>>, zero: T) -> Result<Self, CalibrationError> {
+        if !zero.is_finite() {
+            return Err(CalibrationError::Zero { found: shown(zero) });
+        }
+        let mut found = Self { zero, reading: [T::zero(); 3], intensity: T::zero(), samples: 0 };
         let mut first = None;
         let mut varies = [false; 3];
         for Sample { reading, intensity } in samples {
@@ -119,7 +125,7 @@ impl<T: RealField + Copy> Units<T> {
             for (((largest, varies), value), first) in
                 found.reading.iter_mut().zip(&mut varies).zip(reading).zip(first)
             {
-                *largest = largest.max(value.abs());
+                *largest = largest.max((value - zero).abs());
                 *varies |= value != first;
             }
             found.intensity = found.intensity.max(intensity);
@@ -138,8 +144,11 @@ impl<T: RealField + Copy> Units<T> {
     }
 
     fn scaled(&self, Sample { reading: [x, y, z], intensity }: Sample<T>) -> Sample<T> {
-        let [u_x, u_y, u_z] = self.reading;
-        Sample { reading: [x / u_x, y / u_y, z / u_z], intensity: intensity / self.intensity }
+        let ([u_x, u_y, u_z], zero) = (self.reading, self.zero);
+        Sample {
+            reading: [(x - zero) / u_x, (y - zero) / u_y, (z - zero) / u_z],
+            intensity: intensity / self.intensity,
+        }
     }
 
     /// Units of the unknowns.
@@ -150,17 +159,13 @@ impl<T: RealField + Copy> Units<T> {
 
     fn start(
         &self,
-        &DataSheet { sensitivity, zero }: &DataSheet<T>,
+        &DataSheet { sensitivity, .. }: &DataSheet<T>,
     ) -> Result<SVector<T, UNKNOWNS>, CalibrationError> {
-        let usable = sensitivity.is_finite() && sensitivity > T::zero() && zero.is_finite();
+        let usable = sensitivity.is_finite() && sensitivity > T::zero();
         if !usable {
-            return Err(CalibrationError::DataSheet {
-                sensitivity: shown(sensitivity),
-                zero: shown(zero),
-            });
+            return Err(CalibrationError::Sensitivity { found: shown(sensitivity) });
         }
-        let bias = -sensitivity * zero;
-        let x = SVector::from([sensitivity, sensitivity, sensitivity, bias, bias, bias]);
+        let x = SVector::<T, UNKNOWNS>::from_fn(|i, _| if i < 3 { sensitivity } else { T::zero() });
         Ok(x.component_div(&self.of_unknowns()))
     }
 
@@ -179,7 +184,14 @@ impl<T: RealField + Copy> Units<T> {
         let freedom = count / (count - number(UNKNOWNS as f64));
         let covariance = inverse * scatter(scaled, &x) * inverse * freedom;
         let covariance = covariance.component_mul(&(units * units.transpose()));
-        let (scale, bias) = halves(&x.component_mul(&units));
+        // s (V − V₀) + b = s V + (b − s V₀)
+        let from_zero = SMatrix::<T, UNKNOWNS, UNKNOWNS>::from_fn(|i, j| match i {
+            _ if i == j => T::one(),
+            _ if i == j + 3 => -self.zero,
+            _ => T::zero(),
+        });
+        let covariance = from_zero * covariance * from_zero.transpose();
+        let (scale, bias) = halves(&(from_zero * x.component_mul(&units)));
         let squared = self.intensity * self.intensity;
         let calibration = Calibration {
             scale,

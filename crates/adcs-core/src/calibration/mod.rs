@@ -72,8 +72,11 @@ pub enum Start<T> {
     /// From the data sheet, as in the paper.
     DataSheet(DataSheet<T>),
     /// From the ellipsoid that fits the readings best, which is a linear problem: nothing needs to be
-    /// known of the sensor.
-    Linear,
+    /// known of the sensor but where its readings are counted from.
+    Linear {
+        /// Reading without field, roughly.
+        zero: T,
+    },
 }
 
 /// The least, the largest and the root mean square of |B| − |B_IGRF|.

@@ -129,19 +129,13 @@ fn least(
 ) -> Result<Solved, CalibrationError> {
     /// Above what f32 makes of one minimum, far below what parts two.
     const CLEARLY_LESS: f64 = 0.999;
-    let mut best = Err(CalibrationError::TooFew { found: 0, needed: MIN_SAMPLES });
-    for (index, search) in searches.enumerate() {
-        let better = match (&best, &search) {
-            (Err(_), Ok(_)) => true,
-            (Err(_), Err(_)) => index == 0,
-            (Ok(best), Ok(search)) => search.cost < best.cost * CLEARLY_LESS,
-            (Ok(_), Err(_)) => false,
-        };
-        if better {
-            best = search;
-        }
-    }
-    best
+    searches
+        .reduce(|best, next| match (&best, &next) {
+            (Ok(a), Ok(b)) if b.cost < a.cost * CLEARLY_LESS => next,
+            (Err(_), Ok(_)) => next,
+            _ => best,
+        })
+        .unwrap_or(Err(CalibrationError::TooFew { found: 0, needed: MIN_SAMPLES }))
 }
 
 fn single(DataSheet { sensitivity, zero }: DataSheet<f64>) -> DataSheet<f32> {

@@ -146,8 +146,7 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         table::read_beside(&args.input, |header| calibration::bind(header, driver))?;
     let measured: Vec<Measured> = rows.into_iter().flatten().collect();
     let request = Request { starts, before, driver, single: args.single };
-    let input = args.input.display().to_string();
-    let outcome = calibration::solve(&measured, &request).context(input)?;
+    let outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
 
     let json = serde_json::to_string_pretty(&outcome)?;
     write(&args.output, &format!("{json}\n"))?;
@@ -161,6 +160,13 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         print(format_args!("{outcome}"));
     }
     Ok(tally)
+}
+
+fn name(input: &Path) -> String {
+    match input == Path::new("-") {
+        true => "standard input".to_owned(),
+        false => input.display().to_string(),
+    }
 }
 
 fn plot(

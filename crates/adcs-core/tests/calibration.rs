@@ -353,7 +353,7 @@ fn usable<T: RealField + Copy>(found: &Calibration<T>) -> bool {
     let values = [found.scale, found.bias, scale_sigma, bias_sigma];
     let positive = found.scale.iter().all(|&scale| scale > T::zero());
     positive
-        && values.as_flattened().iter().all(|value| value.is_finite())
+        && values.as_flattened().iter().all(nalgebra::ComplexField::is_finite)
         && found.cost.is_finite()
         && found.condition <= convert(MAX_CONDITION)
 }

@@ -3,7 +3,7 @@
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | V, I | `reading`, `intensity` | what the sensor shows, how strong the model's field is |
-//! | β = s ∘ V + b | `beta` | the calibrated field, eq. (5) |
+//! | β = s ∘ V + b | `field()` | the calibrated field, eq. (5) |
 //! | r = \|β\|² − I² | `residual` | E = Σ r², eq. (4) |
 //! | J = (2 β ∘ V, 2 β) | `row` | derivative of r by (s, b) |
 //!
@@ -19,10 +19,10 @@
 use nalgebra::{RealField, SMatrix, SVector};
 
 use super::error::{CalibrationError, Unknown};
-use super::shown;
 use super::symmetric::Spectrum;
 use super::{
-    Calibration, DataSheet, NormError, Sample, Start, UNKNOWNS, field, linear, norm_error, number,
+    Calibration, DataSheet, NormError, Sample, Start, UNKNOWNS, field, joined, linear, norm_error,
+    number, parted, shown,
 };
 
 /// Two samples for each unknown: with fewer, the residuals say little about the noise.
@@ -91,7 +91,7 @@ where
     if !found.converged {
         return Err(CalibrationError::NotConverged { passes: MAX_PASSES });
     }
-    let x = positive_scales(found.x);
+    let x = positive_scales(&found.x);
     units.calibration(samples, &scaled, x, &found, &Spectrum::of(&pass(&scaled, &x).normal))
 }
 
@@ -165,7 +165,7 @@ impl<T: RealField + Copy> Units<T> {
         if !usable {
             return Err(CalibrationError::Sensitivity { found: shown(sensitivity) });
         }
-        let x = SVector::<T, UNKNOWNS>::from_fn(|i, _| if i < 3 { sensitivity } else { T::zero() });
+        let x = joined([sensitivity; 3], [T::zero(); 3]);
         Ok(x.component_div(&self.of_unknowns()))
     }
 
@@ -191,7 +191,7 @@ impl<T: RealField + Copy> Units<T> {
             _ => T::zero(),
         });
         let covariance = from_zero * covariance * from_zero.transpose();
-        let (scale, bias) = halves(&(from_zero * x.component_mul(&units)));
+        let (scale, bias) = parted(&(from_zero * x.component_mul(&units)));
         let squared = self.intensity * self.intensity;
         let calibration = Calibration {
             scale,
@@ -318,20 +318,20 @@ fn linearised<T: RealField + Copy>(
     &Sample { reading, intensity }: &Sample<T>,
     x: &SVector<T, UNKNOWNS>,
 ) -> (T, SVector<T, UNKNOWNS>) {
-    let (scale, bias) = halves(x);
+    let (scale, bias) = parted(x);
     let [b_x, b_y, b_z] = field(reading, scale, bias);
     let residual = b_x * b_x + b_y * b_y + b_z * b_z - intensity * intensity;
     let [x, y, z] = reading;
     (residual, SVector::from([b_x * x, b_y * y, b_z * z, b_x, b_y, b_z]) * number::<T>(2.0))
 }
 
-/// (s, b), or of E's other minima the one with s > 0.
-fn positive_scales<T: RealField + Copy>(x: SVector<T, UNKNOWNS>) -> SVector<T, UNKNOWNS> {
-    SVector::from_fn(|i, _| if x[i % 3] < T::zero() { -x[i] } else { x[i] })
-}
-
-/// Scales and biases.
-fn halves<T: RealField + Copy>(x: &SVector<T, UNKNOWNS>) -> ([T; 3], [T; 3]) {
-    let [s_x, s_y, s_z, b_x, b_y, b_z] = (*x).into();
-    ([s_x, s_y, s_z], [b_x, b_y, b_z])
+/// (s, b), or of E's mirror images the one with s > 0.
+fn positive_scales<T: RealField + Copy>(x: &SVector<T, UNKNOWNS>) -> SVector<T, UNKNOWNS> {
+    let (mut scale, mut bias) = parted(x);
+    for (scale, bias) in scale.iter_mut().zip(&mut bias) {
+        if *scale < T::zero() {
+            (*scale, *bias) = (-*scale, -*bias);
+        }
+    }
+    joined(scale, bias)
 }

@@ -9,7 +9,7 @@
 use nalgebra::{RealField, SMatrix, SVector};
 
 use super::symmetric::Spectrum;
-use super::{CalibrationError, Sample, UNKNOWNS, number};
+use super::{CalibrationError, Sample, UNKNOWNS, joined, number};
 
 /// Scales and biases of the ellipsoid.
 pub(super) fn start<T: RealField + Copy>(
@@ -23,16 +23,16 @@ pub(super) fn start<T: RealField + Copy>(
         gradient -= row * (intensity * intensity);
     }
     let [a_x, a_y, a_z, c_x, c_y, c_z, _] = Spectrum::of(&normal).step(&gradient, T::zero()).into();
-    let mut found = SVector::<T, UNKNOWNS>::zeros();
-    for (axis, (a, c)) in [(a_x, c_x), (a_y, c_y), (a_z, c_z)].into_iter().enumerate() {
+    let (mut scale, mut bias) = ([T::zero(); 3], [T::zero(); 3]);
+    let axes = scale.iter_mut().zip(&mut bias).zip([a_x, a_y, a_z]).zip([c_x, c_y, c_z]);
+    for ((((scale, bias), a), c), axis) in axes.zip(0..) {
         // A NaN fails the comparison.
         let real = a > T::zero();
         if !real {
-            return Err(CalibrationError::NoEllipsoid { axis: axis as u8 });
+            return Err(CalibrationError::NoEllipsoid { axis });
         }
-        let scale = a.sqrt();
-        found[axis] = scale;
-        found[axis + 3] = c / (scale * number(2.0));
+        *scale = a.sqrt();
+        *bias = c / (*scale * number(2.0));
     }
-    Ok(found)
+    Ok(joined(scale, bias))
 }

@@ -40,7 +40,7 @@ mod gauss_newton;
 mod linear;
 mod symmetric;
 
-use nalgebra::{RealField, SMatrix, convert, convert_unchecked};
+use nalgebra::{RealField, SMatrix, SVector, convert, convert_unchecked};
 
 pub use error::{CalibrationError, Unknown};
 pub use gauss_newton::{MAX_CONDITION, MAX_PASSES, MIN_SAMPLES, calibrate};
@@ -127,7 +127,7 @@ impl<T: RealField + Copy> Calibration<T> {
     /// Standard deviations of the scales and of the biases.
     pub fn sigma(&self) -> ([T; 3], [T; 3]) {
         let sigma = self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt());
-        (sigma.fixed_rows::<3>(0).into_owned().into(), sigma.fixed_rows::<3>(3).into_owned().into())
+        parted(&sigma)
     }
 
     /// What [`TriadParameters`](crate::sensing::TriadParameters) take, `scale` (no unit) and `bias`
@@ -174,6 +174,20 @@ fn field<T: RealField + Copy>(
     [b_x, b_y, b_z]: [T; 3],
 ) -> [T; 3] {
     [s_x * v_x + b_x, s_y * v_y + b_y, s_z * v_z + b_z]
+}
+
+/// (s, b)
+fn joined<T: RealField + Copy>(
+    [s_x, s_y, s_z]: [T; 3],
+    [b_x, b_y, b_z]: [T; 3],
+) -> SVector<T, UNKNOWNS> {
+    SVector::from([s_x, s_y, s_z, b_x, b_y, b_z])
+}
+
+/// s and b of (s, b).
+fn parted<T: RealField + Copy>(x: &SVector<T, UNKNOWNS>) -> ([T; 3], [T; 3]) {
+    let [s_x, s_y, s_z, b_x, b_y, b_z] = (*x).into();
+    ([s_x, s_y, s_z], [b_x, b_y, b_z])
 }
 
 fn norm<T: RealField + Copy>([x, y, z]: [T; 3]) -> T {

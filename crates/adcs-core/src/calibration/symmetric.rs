@@ -25,9 +25,7 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
     pub fn of(normal: &SMatrix<T, N, N>) -> Self {
         let inverse_scale =
             normal.diagonal().map(|d| if d > T::zero() { T::one() / d.sqrt() } else { T::zero() });
-        let mut a = SMatrix::<T, N, N>::from_fn(|i, j| {
-            normal[(i, j)] * inverse_scale[i] * inverse_scale[j]
-        });
+        let mut a = normal.component_mul(&(inverse_scale * inverse_scale.transpose()));
         let mut vectors = SMatrix::<T, N, N>::identity();
         for _ in 0..MAX_SWEEPS {
             let mut turned = false;
@@ -54,10 +52,11 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
 
     /// N⁻¹. Eigenvalues below rounding count as rounding.
     pub fn inverse(&self) -> SMatrix<T, N, N> {
-        let half = SMatrix::<T, N, N>::from_fn(|i, k| {
-            self.inverse_scale[i] * self.vectors[(i, k)]
-                / self.values[k].max(self.rounding()).sqrt()
-        });
+        let mut half = self.vectors;
+        for (mut column, value) in half.column_iter_mut().zip(self.values.iter()) {
+            column.component_mul_assign(&self.inverse_scale);
+            column /= value.max(self.rounding()).sqrt();
+        }
         half * half.transpose()
     }
 
@@ -136,7 +135,7 @@ mod tests {
 
     #[test]
     fn units_of_the_unknowns_do_not_count_for_the_condition() {
-        let normal = Matrix3::new(1e20, 5e9, 0.0, 5e9, 1.0, 0.0, 0.0, 0.0, 1e-20);
+        let normal = Matrix3::<f64>::new(1e20, 5e9, 0.0, 5e9, 1.0, 0.0, 0.0, 0.0, 1e-20);
         let spectrum = Spectrum::of(&normal);
         // 1 ± 0.5 and 1.
         assert!((spectrum.condition() - 3.0).abs() < ROUNDING);

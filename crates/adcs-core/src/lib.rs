@@ -21,6 +21,7 @@
 )]
 
 pub mod attitude;
+pub mod calibration;
 pub mod control;
 mod determination;
 pub mod environment;

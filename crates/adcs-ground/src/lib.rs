@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod calibration;
 pub mod columns;
 pub mod emulator;
 pub mod ephemeris;

@@ -34,6 +34,7 @@ enum Command {
     Eclipse(commands::eclipse::Args),
     Attitude(commands::attitude::Args),
     Estimate(commands::estimate::Args),
+    Calibrate(commands::calibrate::Args),
     /// How well the filters do
     Study(commands::study::Args),
 }
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Eclipse(args) => Ok(commands::eclipse::run(&args)),
         Command::Attitude(args) => Ok(commands::attitude::run(&args)),
         Command::Estimate(args) => Ok(commands::estimate::run(&args)),
+        Command::Calibrate(args) => Ok(commands::calibrate::run(&args)),
         Command::Study(args) => commands::study::run(&args),
     };
     result.unwrap_or_else(|error| {

@@ -1,6 +1,7 @@
 //! The commands of `adcs`, one a file.
 
 pub mod attitude;
+pub mod calibrate;
 mod console;
 pub mod eclipse;
 pub mod estimate;

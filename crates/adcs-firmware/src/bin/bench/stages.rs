@@ -10,13 +10,14 @@ use adcs_core::{
         mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
         selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
+    calibration::{DataSheet, Sample, Start, calibrate},
     control::b_dot::{BDot, BDotGain},
     environment::{
         field::FieldModel,
         sun_track::{SunNodes, SunTrack},
         sunlight::Sunlight,
     },
-    frames::Vector,
+    frames::{Body, Vector},
     orbit::OrbitModel,
     reading::{MissingReason, Reading},
     sensing::{Expected, SunFaces, SunFacesParameters},
@@ -47,6 +48,7 @@ pub fn run(counter: &Counter) {
     attitude(counter);
     kinematic(counter);
     dynamic(counter);
+    calibration(counter);
     cycle(counter, &despin(Readings::Exact));
     cycle_with_chips(counter, &despin(Readings::Drivers));
 }
@@ -208,6 +210,25 @@ fn dynamic(counter: &Counter) {
     stage.count("estimator_cycle", started(), |mut state| {
         let outcome = estimator.cycle(&mut state, &all);
         (state, outcome)
+    });
+}
+
+/// A calibration of the magnetometer from 100 readings, from the data sheet to the covariance.
+fn calibration(counter: &Counter) {
+    let samples: [Sample<f32>; 100] = core::array::from_fn(|k| {
+        // From all sides, 6 to 50 µT.
+        let [x, y, z] = [k * 7 % 11, k * 5 % 13, k * 3 % 7].map(|step| step as f32);
+        let field = Vector::<Body>::new(x - 4.5, y - 5.5, z - 3.5) * 6e-6;
+        let [x, y, z] = field.to_array();
+        Sample {
+            reading: [(x - 1e-5) / 0.9, (y + 8e-6) / 1.1, (z - 5e-6) / 1.2],
+            intensity: field.norm(),
+        }
+    });
+    let start = Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 });
+    let stage = Stage { counter };
+    stage.count("calibrate_100", &samples, |samples| {
+        calibrate(samples.iter().copied(), &start).expect("from all sides")
     });
 }
 

@@ -1,0 +1,245 @@
+//! `adcs calibrate`, from the table to the parameters that fly.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+/// The reference cases of the library's tests.
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../adcs-core/tests/data/magcal");
+/// Of a scale, relative; of a bias, nT; of the cost, relative.
+const SCALE: f64 = 1e-6;
+const BIAS_NT: f64 = 0.1;
+const COST: f64 = 1e-9;
+/// The same without noise, and for the cost what rounding leaves of it, nT⁴.
+const NOISE_FREE_SCALE: f64 = 1e-9;
+const NOISE_FREE_BIAS_NT: f64 = 1e-3;
+const NOISE_FREE_COST_NT4: f64 = 1e-6;
+/// Of f32 against f64.
+const SINGLE_SCALE: f64 = 1e-6;
+
+fn adcs(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_adcs"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("adcs starts");
+    // One that has failed before reading everything is what some tests look for.
+    let _ = child.stdin.take().expect("a pipe").write_all(input);
+    child.wait_with_output().expect("adcs ends")
+}
+
+fn calibrate(arguments: &[&str], input: &str) -> Output {
+    adcs(&[&["calibrate"], arguments].concat(), input.as_bytes())
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(output)))
+}
+
+fn table(case: &str) -> String {
+    fs::read_to_string(format!("{DATA}/magcal_{case}.csv")).unwrap()
+}
+
+fn axes(value: &Value, key: &str) -> [f64; 3] {
+    [0, 1, 2].map(|axis| value[key][axis].as_f64().unwrap())
+}
+
+#[test]
+fn the_reference_cases_reach_their_optimum_from_every_start() {
+    for line in table("optimum").lines().skip(1) {
+        let (case, numbers) = line.split_once(',').unwrap();
+        let optimum: Vec<f64> = numbers.split(',').map(|text| text.parse().unwrap()).collect();
+        let path = format!("{DATA}/magcal_{case}.csv");
+        for start in ["data-sheet", "linear", "both"] {
+            let output = calibrate(
+                &[&path, "--model", "paper", "--start-scale", "50000", "--start", start],
+                "",
+            );
+            assert_eq!(output.status.code(), Some(0), "{case}: {}", stderr(&output));
+            let found = json(&output);
+            let (of_scale, of_bias, of_cost) = match case.contains("noise_free") {
+                true => (NOISE_FREE_SCALE, NOISE_FREE_BIAS_NT, NOISE_FREE_COST_NT4),
+                false => (SCALE, BIAS_NT, COST * optimum[6]),
+            };
+            for axis in 0..3 {
+                let scale = axes(&found, "scale_nt_per_v")[axis] / optimum[axis] - 1.0;
+                let bias = axes(&found, "bias_nt")[axis] - optimum[axis + 3];
+                assert!(scale.abs() < of_scale && bias.abs() < of_bias, "{case}: {scale} {bias}");
+            }
+            assert!(found["cost_nt4"].as_f64().unwrap() <= optimum[6] + of_cost, "{case}");
+            let rms = found["norm_error_after_nt"]["rms"].as_f64().unwrap();
+            assert!((rms - optimum[8]).abs() < BIAS_NT, "{case}: {rms}");
+            let before = &found["norm_error_before_nt"];
+            assert!(before["max"].as_f64().unwrap() > 10e3, "{case}: {before}");
+        }
+    }
+}
+
+#[test]
+fn single_precision_gives_the_same() {
+    let path = format!("{DATA}/magcal_d_nadir_locked_500nT.csv");
+    let [double, single] =
+        [&[path.as_str()][..], &[&path, "--single"]].map(|args| json(&calibrate(args, "")));
+    for axis in 0..3 {
+        let [double, single] = [&double, &single].map(|it| axes(it, "scale_nt_per_v")[axis]);
+        assert!((single / double - 1.0).abs() < SINGLE_SCALE, "{single} {double}");
+    }
+}
+
+#[test]
+fn columns_are_found_in_any_order_and_rows_that_cannot_be_read_are_left_out() {
+    let text = table("b_tumbling_500nT");
+    let mut turned = String::from("note,igrf_norm_nT,V_z_volt,V_y_volt,V_x_volt\n");
+    for line in text.lines().skip(1) {
+        let fields: Vec<_> = line.split(',').collect();
+        let [_, x, y, z, norm] = fields[..] else { panic!("{line}") };
+        turned += &format!("n,{norm},{z},{y},{x}\n");
+    }
+    let straight = json(&calibrate(&["-"], &text));
+    assert_eq!(json(&calibrate(&["-"], &turned)), straight);
+
+    let bad = turned + "n,23000,0.1,zero,0.1\nn,-5,0.1,0.1,0.1\n";
+    let output = calibrate(&["-"], &bad);
+    assert_eq!((output.status.code(), json(&output)), (Some(1), straight));
+    let said = stderr(&output);
+    assert!(said.contains("line 602, column V_y_volt: 'zero' is not a number"), "{said}");
+    assert!(said.contains("line 603, column igrf_norm_nT: -5 nT"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_done_is_said_and_nothing_is_written() {
+    let header = "V_x_volt,V_y_volt,V_z_volt,igrf_norm_nT\n";
+    let same = |rows: usize| header.to_owned() + &"0.1,0.2,0.3,30000\n".repeat(rows);
+    for (table, reason) in [
+        (header.to_owned(), "0 samples are too few: it takes 12"),
+        (same(11), "11 samples are too few"),
+        (same(12), "axis 0 shows 0.1 in all samples"),
+        ("V_x_volt,V_y_volt,V_z_volt\n".to_owned(), "no column igrf_norm_nT"),
+        ("a,b\n".to_owned(), "no column V_x_volt, nor magnetometer_x_nt of a history"),
+    ] {
+        let output = calibrate(&["-"], &table);
+        assert_eq!(output.status.code(), Some(2), "{reason}");
+        assert!(
+            output.stdout.is_empty() && stderr(&output).contains(reason),
+            "{}",
+            stderr(&output)
+        );
+    }
+    for option in [["--start-scale", "0"], ["--start-scale", "much"], ["--zero-v", "inf"]] {
+        let output = calibrate(&[&["-"], &option[..]].concat(), &same(12));
+        assert_eq!(output.status.code(), Some(2), "{option:?}");
+    }
+}
+
+#[test]
+fn voltages_with_another_zero_give_the_same_parameters_to_fly() {
+    let text = table("b_tumbling_500nT");
+    let mut raised = String::from("t_s,V_x_volt,V_y_volt,V_z_volt,igrf_norm_nT\n");
+    for line in text.lines().skip(1) {
+        let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        let [t, x, y, z, norm] = fields[..] else { panic!("{line}") };
+        raised += &format!("{t},{},{},{},{norm}\n", x + 1.65, y + 1.65, z + 1.65);
+    }
+    let straight = json(&calibrate(&["-"], &text));
+    let raised = json(&calibrate(&["-", "--zero-v", "1.65"], &raised));
+    for axis in 0..3 {
+        let [a, b] = [&straight, &raised].map(|it| &it["correction"]);
+        let scale = axes(a, "scale")[axis] / axes(b, "scale")[axis] - 1.0;
+        let bias = axes(a, "bias_nt")[axis] - axes(b, "bias_nt")[axis];
+        assert!(scale.abs() < SCALE && bias.abs() < BIAS_NT, "{scale} {bias}");
+    }
+}
+
+/// A folder of this test alone, empty.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn fly(folder: &Path, name: &str, sections: &str) -> PathBuf {
+    let base = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../missions/sprout/despin-calibrated.toml")
+        .canonicalize()
+        .unwrap();
+    let mission = folder.join(name).with_extension("toml");
+    let text = format!(
+        "base = {:?}\n[mission]\ntitle = \"test\"\ndescription = \"test\"\n{sections}",
+        base.display().to_string()
+    );
+    fs::write(&mission, text).unwrap();
+    let out = folder.join(name);
+    let output =
+        adcs(&["fly", mission.to_str().unwrap(), "-q", "--out", out.to_str().unwrap()], b"");
+    assert!(output.status.success(), "{}", stderr(&output));
+    out.join("history.csv")
+}
+
+/// Last rate, deg/s, and least and largest error of the strength that the satellite measured, nT.
+fn flown(history: &Path) -> (f64, f64, f64) {
+    let mut reader = csv::Reader::from_path(history).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let at = |name| header.iter().position(|column| column == name).unwrap();
+    let (rate, norm, model) =
+        (at("rate_norm_deg_s"), at("measured_field_norm_nt"), at("model_field_norm_nt"));
+    let mut flown = (f64::NAN, f64::INFINITY, f64::NEG_INFINITY);
+    for row in reader.records() {
+        let row = row.unwrap();
+        let value = |column: usize| row[column].parse::<f64>();
+        flown.0 = value(rate).unwrap();
+        if let (Ok(norm), Ok(model)) = (value(norm), value(model)) {
+            flown.1 = flown.1.min(norm - model);
+            flown.2 = flown.2.max(norm - model);
+        }
+    }
+    flown
+}
+
+#[test]
+fn the_papers_loop_closes_from_a_wrong_magnetometer_to_a_better_despin() {
+    /// Five sigma of the noise of one axis (586 nT), and what 96 noisy samples leave of scale and bias.
+    const AFTER_NT: f64 = 4000.0;
+    let folder = folder("calibrate-loop");
+    // Scales and biases within the data sheet's range that the satellite does not know.
+    let wrong = "[magnetometer.errors]\n\
+                 matrix = [[0.45, 0.0, 0.0], [0.0, 0.6, 0.0], [0.0, 0.0, 1.3]]\n\
+                 bias_nt = [-15500, 21900, 9800]\n";
+    let before = fly(&folder, "before", wrong);
+    let (rate_before, least, largest) = flown(&before);
+    assert!(least < -20e3 && largest > 15e3, "{least} {largest}");
+
+    let path = |name: &str| folder.join(name).display().to_string();
+    let (json, toml, svg) = (path("found.json"), path("found.toml"), path("norm.svg"));
+    let history = before.to_str().unwrap();
+    let output = calibrate(&[history, "-o", &json, "--toml", &toml, "--plot", &svg], "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("[magnetometer.calibration]"));
+    assert!(fs::read_to_string(svg).unwrap().starts_with("<svg"));
+
+    let found: Value = serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap();
+    let truth = [1.0 / 0.45, 1.0 / 0.6, 1.0 / 1.3];
+    for (axis, truth) in truth.iter().enumerate() {
+        // Scale by the data sheet times the correction; 5 sigma, and the shift by noise.
+        let error = axes(&found, "scale_nt_per_v")[axis] / 50e3 - truth;
+        let sigma = axes(&found, "scale_sigma_nt_per_v")[axis] / 50e3;
+        assert!(error.abs() < 5.0 * sigma, "axis {axis}: {error}, sigma {sigma}");
+    }
+
+    let after = fly(&folder, "after", &(wrong.to_owned() + &fs::read_to_string(toml).unwrap()));
+    let (rate_after, least, largest) = flown(&after);
+    assert!(least > -AFTER_NT && largest < AFTER_NT, "{least} {largest}");
+    assert!(
+        rate_after < 0.5 * 9.11 && rate_after < 0.85 * rate_before,
+        "{rate_after} {rate_before}"
+    );
+}

@@ -7,10 +7,14 @@ use adcs_core::attitude::dynamic::DynamicError;
 use adcs_core::attitude::selection::{Estimator, EstimatorParameters};
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
+use adcs_core::control::bang_bang::{BangBang, BangBangError, BangBangParameters};
+use adcs_core::control::cross_product::{CrossProduct, CrossProductError, CrossProductParameters};
+use adcs_core::control::feed_forward::{FeedForward, SigmaError};
+use adcs_core::control::guidance::{Aim, AimError, AimParameters};
 use adcs_core::environment::sun_track::SunTrack;
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
-use adcs_core::pipeline::{Configuration, Law};
+use adcs_core::pipeline::{Configuration, Law, Pointing, Steering, SteeringParameters};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 use adcs_core::sensing::{
     SunFaces, SunFacesError, SunFacesParameters, Triad, TriadError, TriadParameters,
@@ -26,6 +30,15 @@ pub enum LawParameters {
     Off,
     /// Despin from gyro and magnetometer.
     BDot(BDotGain),
+    /// Despin at full dipole, by sign.
+    BangBang(BangBangParameters),
+    /// An attitude is taken and held by the cross-product law.
+    CrossProduct {
+        /// Gains and terms.
+        law: CrossProductParameters,
+        /// Where to point.
+        aim: AimParameters,
+    },
 }
 
 /// Everything that a satellite team configures for its flight.
@@ -37,6 +50,8 @@ pub struct FlightParameters {
     pub schedule: ScheduleParameters,
     /// The law of stage III.
     pub law: LawParameters,
+    /// What surrounds the law.
+    pub steering: SteeringParameters,
     /// The gyros' correction; rad/s.
     pub gyro: TriadParameters,
     /// The magnetometer's correction; T.
@@ -59,6 +74,14 @@ pub enum ParameterError {
     Schedule(ScheduleError),
     /// The law's gain.
     Gain(GainError),
+    /// The bang-bang law's dipole or dead band.
+    BangBang(BangBangError),
+    /// The cross-product law's gains or inertia.
+    CrossProduct(CrossProductError),
+    /// The attitude to be held.
+    Aim(AimError),
+    /// The accuracy from which on the residual dipole is fed forward.
+    FeedForward(SigmaError),
     /// The gyros' correction.
     Gyro(TriadError),
     /// The magnetometer's correction.
@@ -78,6 +101,10 @@ impl fmt::Display for ParameterError {
         match self {
             Self::Schedule(error) => write!(f, "schedule: {error}"),
             Self::Gain(error) => write!(f, "law: {error}"),
+            Self::BangBang(error) => write!(f, "law: {error}"),
+            Self::CrossProduct(error) => write!(f, "law: {error}"),
+            Self::Aim(error) => write!(f, "law: {error}"),
+            Self::FeedForward(error) => write!(f, "law: {error}"),
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
             Self::SunSensors(error) => write!(f, "Sun sensors: {error}"),
@@ -90,6 +117,26 @@ impl fmt::Display for ParameterError {
 
 impl core::error::Error for ParameterError {}
 
+impl LawParameters {
+    /// Accepts the law.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with what is refused of it.
+    pub fn accept(&self) -> Result<Law, ParameterError> {
+        Ok(match self {
+            Self::Off => Law::Off,
+            Self::BDot(gain) => Law::BDot(BDot::new(*gain).map_err(ParameterError::Gain)?),
+            Self::BangBang(law) => {
+                Law::BangBang(BangBang::new(law).map_err(ParameterError::BangBang)?)
+            }
+            Self::CrossProduct { law, aim } => Law::Pointing(Pointing {
+                law: CrossProduct::new(law).map_err(ParameterError::CrossProduct)?,
+                aim: Aim::new(aim).map_err(ParameterError::Aim)?,
+            }),
+        })
+    }
+}
+
 impl FlightParameters {
     /// Accepts the parameters: what can fail fails here, and not in a cycle.
     ///
@@ -98,9 +145,14 @@ impl FlightParameters {
     pub fn accept(&self) -> Result<(Schedule, Configuration), ParameterError> {
         let schedule =
             Schedule::new(&self.schedule, self.cycle_us).map_err(ParameterError::Schedule)?;
-        let law = match self.law {
-            LawParameters::Off => Law::Off,
-            LawParameters::BDot(gain) => Law::BDot(BDot::new(gain).map_err(ParameterError::Gain)?),
+        let law = self.law.accept()?;
+        let SteeringParameters { rate, cut_hold, feed_forward_sigma_am2 } = self.steering;
+        let feed_forward = feed_forward_sigma_am2.map(FeedForward::new);
+        let steering = Steering {
+            rate,
+            cut_hold,
+            feed_forward: feed_forward.transpose().map_err(ParameterError::FeedForward)?,
+            round: self.schedule.round(),
         };
         let orbit = match &self.elements {
             Some(elements) => {
@@ -119,6 +171,7 @@ impl FlightParameters {
             sun_faces: sun_faces.transpose().map_err(ParameterError::SunSensors)?,
             estimator: estimator.transpose().map_err(ParameterError::Attitude)?,
             law,
+            steering,
             allocation: Allocation::new(&self.torquers).map_err(ParameterError::Torquers)?,
         };
         Ok((schedule, configuration))

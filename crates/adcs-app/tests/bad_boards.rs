@@ -5,7 +5,7 @@ use adcs_app::{FlightApp, FlightParameters, LawParameters, ParameterError};
 use adcs_core::control::allocation::TorquerParameters;
 use adcs_core::control::b_dot::BDotGain;
 use adcs_core::frames::{TorquerAxes, Vector};
-use adcs_core::pipeline::ControlStatus;
+use adcs_core::pipeline::{ControlStatus, SteeringParameters};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, ScheduleError, ScheduleParameters};
 use adcs_core::sensing::sun_faces::FACES;
@@ -25,6 +25,7 @@ fn despin() -> FlightParameters {
         cycle_us: 500_000,
         schedule: ScheduleParameters { on_us: 1_000_000, off_us: 500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
+        steering: SteeringParameters::default(),
         gyro: TriadParameters::default(),
         magnetometer: TriadParameters::default(),
         sun_sensors: Some(SunFacesParameters::SPROUT),

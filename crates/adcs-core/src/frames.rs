@@ -24,6 +24,7 @@
 //! | [`Ecef`] | Earth fixed, pseudo (PEF): TEME turned by GMST-82 about z |
 //! | [`Orbit`] | Z to the Earth's centre, X in the orbit plane on the side of flight, Y against the orbit normal |
 //! | [`Body`] | the structure |
+//! | [`Target`] | where Body should be |
 //! | [`MagnetometerAxes`], [`GyroAxes`], [`TorquerAxes`] | each unit's own axes, before alignment |
 //! | [`SunFaceAxes`] | those of one Sun sensor: z out of the face, x and y along its diode |
 
@@ -48,6 +49,8 @@ frames! {
     Orbit,
     /// The satellite's structure.
     Body,
+    /// The axes that Body should take.
+    Target,
     /// The magnetometer's own axes.
     MagnetometerAxes,
     /// The axes along which the three single-axis gyros measure.

@@ -32,4 +32,5 @@ pub mod pipeline;
 pub mod reading;
 pub mod schedule;
 pub mod sensing;
+mod steering;
 pub mod time;

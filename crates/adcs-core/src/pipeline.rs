@@ -3,11 +3,8 @@
 //! Time, sensors in; dipole for the torquers out; and everything in between in one value, which is
 //! telemetry, history and golden trace at once. Nothing here talks to a bus or asks a clock.
 
-use serde::{Deserialize, Serialize};
-
 use crate::attitude::selection::{Determination, Estimator};
 use crate::control::allocation::{Allocation, Command};
-use crate::control::b_dot::BDot;
 use crate::determination::{Sensed, StageState};
 use crate::environment::field::FieldModel;
 use crate::environment::sun_track::{SunNodes, SunTrack};
@@ -19,16 +16,9 @@ use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::sun_faces::FACES;
 use crate::sensing::{Expected, Frozen, SunFaces, SunSighting, Triad};
+pub use crate::steering::{ControlStatus, Law, Pointing, RateFrom, Steering, SteeringParameters};
+use crate::steering::{Known, SteeringState};
 use crate::time::Utc;
-
-/// The law of stage III.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law {
-    /// The torquers stay off.
-    Off,
-    /// Despin from gyro and magnetometer.
-    BDot(BDot),
-}
 
 /// Everything that was decided before the cycle: accepted configuration, never changed by it.
 #[derive(Debug, Clone)]
@@ -47,6 +37,8 @@ pub struct Configuration {
     pub estimator: Option<Estimator>,
     /// The law of stage III.
     pub law: Law,
+    /// What surrounds the law.
+    pub steering: Steering,
     /// From the wanted dipole to the torquers.
     pub allocation: Allocation,
 }
@@ -60,7 +52,7 @@ pub struct State {
     frozen_gyro: Frozen,
     frozen_magnetometer: Frozen,
     determination: StageState,
-    held: Decision,
+    steering: SteeringState,
 }
 
 /// What the world says at the start of a cycle.
@@ -78,24 +70,6 @@ pub struct Inputs {
     pub sun_a: [Reading<[f32; 4]>; FACES],
     /// What the torquers carried since the last cycle, A·m².
     pub carried: Vector<TorquerAxes>,
-}
-
-/// What stage III did, and if nothing, why.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ControlStatus {
-    /// No law is selected.
-    Off,
-    /// The schedule lets the field settle.
-    Resting,
-    /// The torquers carry the command of this round.
-    Acting,
-    /// The rate was missing when it was needed; off until the next round.
-    NoRate(MissingReason),
-    /// The field was missing when it was needed; off until the next round.
-    NoField(MissingReason),
-    /// The law gave no finite dipole; off until the next round.
-    NoDipole,
 }
 
 /// What one cycle thought.
@@ -156,16 +130,12 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         .as_ref()
         .map(|estimator| state.determination.cycle(estimator, inputs.now, &sensed));
 
-    // Stage III: what to do about it. A command is decided once a round and held through the action.
-    let decision = match inputs.phase {
-        Phase::Settling | Phase::Settled => Decision::resting(),
-        Phase::Measuring => {
-            decide(configuration, rate_for_despin(omega_bi, determination.as_ref()), field_b)
-        }
-        Phase::Acting => state.held,
-    };
-    state.held = decision;
-    let Decision { control, command } = decision;
+    // Stage III: what to do about it.
+    let known =
+        Known { orbit: orbit.as_ref(), omega_bi, field_b, determination: determination.as_ref() };
+    let Configuration { law, steering, allocation, .. } = configuration;
+    let at = (inputs.now, inputs.phase);
+    let decision = state.steering.cycle(law, steering, allocation, at, &known);
     Thoughts {
         orbit,
         reference_field,
@@ -175,20 +145,8 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         field_b,
         sun_b,
         determination,
-        control,
-        command,
-    }
-}
-
-/// The rate that despin works with: the gyro's, and when it is silent what stage II makes of the
-/// dynamics or of the field alone.
-fn rate_for_despin(
-    omega_bi: Reading<Vector<Body>>,
-    determination: Option<&Determination>,
-) -> Reading<Vector<Body>> {
-    match (omega_bi, determination.and_then(|determination| determination.rate)) {
-        (Reading::Missing(_), Some(rate)) => Reading::Fresh(rate.omega_bi),
-        (measured, _) => measured,
+        control: decision.control,
+        command: decision.command,
     }
 }
 
@@ -201,52 +159,6 @@ fn sighting(
     match &configuration.sun_faces {
         Some(faces) => faces.sight(sun_a, expected),
         None => SunSighting::NOT_FITTED,
-    }
-}
-
-/// Stage III of one round: the law's dipole, brought within what the torquers can do. Whatever is
-/// missing switches them off for the round.
-fn decide(
-    configuration: &Configuration,
-    omega_bi: Reading<Vector<Body>>,
-    field_b: Reading<Vector<Body>>,
-) -> Decision {
-    let law = match configuration.law {
-        Law::Off => return Decision::off(ControlStatus::Off),
-        Law::BDot(law) => law,
-    };
-    match (omega_bi, field_b) {
-        (Reading::Missing(reason), _) => Decision::off(ControlStatus::NoRate(reason)),
-        (_, Reading::Missing(reason)) => Decision::off(ControlStatus::NoField(reason)),
-        (Reading::Fresh(omega_bi), Reading::Fresh(field_b)) => law
-            .dipole(omega_bi, field_b)
-            .map_or(Decision::off(ControlStatus::NoDipole), |wanted| Decision {
-                control: ControlStatus::Acting,
-                command: configuration.allocation.command(wanted),
-            }),
-    }
-}
-
-/// The outcome of stage III, held until the round ends.
-#[derive(Debug, Clone, Copy)]
-struct Decision {
-    control: ControlStatus,
-    command: Command,
-}
-
-impl Decision {
-    fn off(control: ControlStatus) -> Self {
-        Self { control, command: Command::off() }
-    }
-
-    fn resting() -> Self {
-        Self::off(ControlStatus::Resting)
-    }
-}
-
-impl Default for Decision {
-    fn default() -> Self {
-        Self::resting()
     }
 }
 
@@ -296,7 +208,8 @@ impl State {
 mod tests {
     use super::*;
     use crate::control::allocation::TorquerParameters;
-    use crate::control::b_dot::BDotGain;
+    use crate::control::b_dot::{BDot, BDotGain};
+    use crate::schedule::Round;
     use crate::sensing::{SunFacesParameters, TriadParameters};
     use crate::time::LeapSeconds;
 
@@ -316,6 +229,12 @@ mod tests {
             sun_faces: Some(SunFaces::new(&SunFacesParameters::SPROUT).unwrap()),
             estimator: None,
             law,
+            steering: Steering {
+                rate: RateFrom::Gyro,
+                cut_hold: false,
+                feed_forward: None,
+                round: Round { on_s: 10.0, off_s: 2.5 },
+            },
             allocation: Allocation::new(&TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw })
                 .unwrap(),
         }

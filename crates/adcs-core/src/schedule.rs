@@ -28,6 +28,30 @@ pub struct ScheduleParameters {
     pub settle_us: u32,
 }
 
+/// Action and rest of one round, as the laws count them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Round {
+    /// How long the torquers act, s.
+    pub on_s: f32,
+    /// How long they rest, s.
+    pub off_s: f32,
+}
+
+impl Round {
+    /// The whole round over its action; infinite when there is none.
+    pub fn inverse_duty(&self) -> f32 {
+        (self.on_s + self.off_s) / self.on_s
+    }
+}
+
+impl ScheduleParameters {
+    /// Action and rest in seconds.
+    pub fn round(&self) -> Round {
+        let seconds = |us: u32| us as f32 * 1e-6;
+        Round { on_s: seconds(self.on_us), off_s: seconds(self.off_us) }
+    }
+}
+
 /// Why a schedule is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -1,6 +1,7 @@
 //! What the satellite flies with until the ground says otherwise.
 
 use adcs_app::{FlightParameters, LawParameters};
+use adcs_core::pipeline::SteeringParameters;
 use adcs_core::{
     attitude::dynamic::DynamicParameters,
     attitude::selection::{EstimatorParameters, Flies},
@@ -24,6 +25,7 @@ pub fn flight() -> FlightParameters {
         cycle_us: 500_000,
         schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
+        steering: SteeringParameters::default(),
         gyro: UNCALIBRATED,
         magnetometer: UNCALIBRATED,
         sun_sensors: Some(SunFacesParameters::SPROUT),

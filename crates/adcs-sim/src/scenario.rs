@@ -14,7 +14,7 @@ use crate::devices::SpiFault;
 
 /// Version of this data and of the link messages that come back; both sides of an emulated flight
 /// check it.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// One flight: the satellite's own parameters, and the truth it will meet.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

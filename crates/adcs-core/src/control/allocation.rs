@@ -58,12 +58,29 @@ impl Command {
     }
 }
 
-/// Three torquers along the axes of `TorquerAxes`, each clipped on its own.
+/// What gives way when a torquer cannot make what is wanted of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Saturation {
+    /// Each axis is clipped on its own: signs are kept, the direction is not.
+    ClipAxes,
+    /// The whole vector is scaled down: its direction is kept.
+    ScaleAll,
+}
+
+/// Three torquers along the axes of `TorquerAxes`, and what gives way at their limits.
 ///
-/// Clipping an axis keeps the sign of every component, and with it the sign of what each torquer
-/// adds to B-dot's damping: for m = clip(k ω × B), each term mᵢ (ω × B)ᵢ of the power −m · (ω × B)
-/// keeps its sign, so the power stays negative however much is clipped. Scaling the whole vector
-/// would keep its direction but waste the axes that have room left.
+/// **Despin clips.** Clipping an axis keeps the sign of every component, and with it the sign of what
+/// each torquer adds to B-dot's damping: for m = clip(k ω × B), each term mᵢ (ω × B)ᵢ of the power
+/// −m · (ω × B) keeps its sign, so the power stays negative however much is clipped. Scaling the whole
+/// vector would keep its direction but waste the axes that have room left.
+///
+/// **Pointing scales.** There the torque that is wanted is not opposed to the rate, so a sign that is
+/// kept promises nothing: clipping bends m and adds a torque across the wanted one. Scaled by λ the
+/// law is for a moment the same law with gains λ K_p, λ K_d, and a magnetic loop with lower gains is
+/// stable where the one with higher gains is.
+///
+/// **A feed-forward comes first.** It cancels a torque that is there; the law has what room is left.
+/// So the law's share keeps its signs, or its direction, whatever is fed forward.
 #[derive(Debug, Clone, Copy)]
 pub struct Allocation {
     max_dipole_am2: f32,
@@ -88,6 +105,44 @@ impl Allocation {
     /// What a dipole along the torquers' axes is in Body, A·m².
     pub fn to_body(&self, dipole: Vector<TorquerAxes>) -> Vector<Body> {
         self.alignment.inverse() * dipole
+    }
+
+    /// What a dipole or field in Body is along the torquers' axes.
+    pub fn to_torquers(&self, in_body: Vector<Body>) -> Vector<TorquerAxes> {
+        self.alignment * in_body
+    }
+
+    /// The command that feeds forward as much of `fed` as the torquers can make and gives the rest of
+    /// their room to what the law wants (both Body, A·m²). One that is not finite switches the torquers
+    /// off.
+    pub fn command_beside(
+        &self,
+        fed: Vector<Body>,
+        wanted: Vector<Body>,
+        saturation: Saturation,
+    ) -> Command {
+        let (fed, along) = (self.alignment * fed, self.alignment * wanted);
+        if !(fed.is_finite() && along.is_finite()) {
+            return Command::off();
+        }
+        let limit = self.max_dipole_am2;
+        let clip = |m: f32| m.max(-limit).min(limit);
+        let fed = fed.xyz.map(clip);
+        let share = match saturation {
+            Saturation::ClipAxes => 1.0,
+            // The largest part λ ≤ 1 with |fed + λ wanted| within the limit on each axis.
+            Saturation::ScaleAll => {
+                along.xyz.iter().zip(fed.iter()).fold(1.0, |least: f32, (m, fed)| {
+                    let room = if *m < 0.0 { limit + fed } else { limit - fed };
+                    if m.abs() > room { least.min(room / m.abs()) } else { least }
+                })
+            }
+        };
+        let within = fed + along.xyz * share;
+        Command {
+            dipole: Vector::from_xyz(within.map(clip)),
+            saturated: (fed + along.xyz).map(|m| m.abs() >= limit).into(),
+        }
     }
 
     /// The command that comes closest, axis by axis, to the wanted dipole (Body, A·m²). A wanted
@@ -136,6 +191,49 @@ mod tests {
         }
     }
 
+    fn component() -> impl Strategy<Value = f32> {
+        -3.0_f32..3.0
+    }
+
+    proptest! {
+        #[test]
+        fn beside_a_feed_forward_clipping_keeps_the_signs_of_the_laws_share(
+            wanted in [component(), component(), component()],
+            fed in [component(), component(), component()],
+        ) {
+            let [w, f] = [wanted, fed].map(|[x, y, z]| Vector::new(x, y, z));
+            let command = sprout().command_beside(f, w, Saturation::ClipAxes);
+            for ((got, want), fed) in command.dipole.to_array().into_iter().zip(wanted).zip(fed) {
+                prop_assert!(got.abs() <= LIMIT_AM2);
+                prop_assert!((got - fed.clamp(-LIMIT_AM2, LIMIT_AM2)) * want >= 0.0);
+            }
+        }
+
+        #[test]
+        fn beside_a_feed_forward_scaling_keeps_the_direction_of_the_laws_share(
+            wanted in [component(), component(), component()],
+            fed in [component(), component(), component()],
+        ) {
+            let [w, f] = [wanted, fed].map(|[x, y, z]| Vector::<Body>::new(x, y, z));
+            let command = sprout().command_beside(f, w, Saturation::ScaleAll);
+            prop_assert!(command.dipole.xyz.iter().all(|m| m.abs() <= LIMIT_AM2));
+            let share = command.dipole.xyz - f.xyz.map(|m| m.clamp(-LIMIT_AM2, LIMIT_AM2));
+            // Rounding of differences of 0.6.
+            prop_assert!(share.cross(&w.xyz).norm() < 1e-6 * w.norm());
+            prop_assert!(share.dot(&w.xyz) >= -1e-6);
+        }
+    }
+
+    #[test]
+    fn scaling_fills_the_torquer_that_has_least_room() {
+        let (fed, wanted) = (Vector::new(0.5, 0.0, 0.0), Vector::new(0.2, 0.4, 0.0));
+        let command = sprout().command_beside(fed, wanted, Saturation::ScaleAll);
+        assert!((command.dipole.xyz - nalgebra::Vector3::new(0.6, 0.2, 0.0)).norm() < 1e-6);
+        assert_eq!(command.saturated, [true, false, false]);
+        let clipped = sprout().command_beside(fed, wanted, Saturation::ClipAxes);
+        assert_eq!(clipped.dipole.to_array(), [0.6, 0.4, 0.0]);
+    }
+
     #[test]
     fn what_is_clipped_is_said() {
         let command = sprout().command(Vector::new(0.7, -0.2, -9.0));
@@ -146,7 +244,12 @@ mod tests {
     #[test]
     fn a_wish_that_is_not_a_number_is_off() {
         for bad in [f32::NAN, f32::INFINITY] {
-            assert_eq!(sprout().command(Vector::new(0.1, bad, 0.1)), Command::off());
+            let (bad, zero) = (Vector::new(0.1, bad, 0.1), Vector::zero());
+            assert_eq!(sprout().command(bad), Command::off());
+            for saturation in [Saturation::ClipAxes, Saturation::ScaleAll] {
+                assert_eq!(sprout().command_beside(bad, zero, saturation), Command::off());
+                assert_eq!(sprout().command_beside(zero, bad, saturation), Command::off());
+            }
         }
     }
 }

@@ -1,61 +1,199 @@
 //! Sections `law` and `schedule`: what the flight software does, and when.
 
-use adcs_app::LawParameters;
-use adcs_core::control::b_dot::{BDot, BDotGain};
+use adcs_app::{LawParameters, ParameterError};
+use adcs_core::control::b_dot::BDotGain;
+use adcs_core::control::bang_bang::BangBangParameters;
+use adcs_core::control::cross_product::{CrossProductError, CrossProductParameters};
+use adcs_core::control::guidance::AimParameters;
+use adcs_core::pipeline::{RateFrom, SteeringParameters};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 
 use super::problem::Fault;
 use super::section::Section;
-use super::typed::POSITIVE;
+use super::typed::{Check, POSITIVE};
+
+const NOT_NEGATIVE: Check = Check::new(|x| x >= 0.0 && x.is_finite(), "zero or positive");
 
 /// Longest on- or off-time that a mission may ask for: what a u32 of microseconds can count, in
 /// whole seconds.
 const LONGEST_S: f64 = 4294.0;
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Plain,
     Normalised,
+    BangBang,
+    CrossProduct,
     None,
 }
 
-pub(super) fn law(root: &Section) -> Option<LawParameters> {
-    const PLAIN_GAIN: &str = "gain_am2_s_per_t";
-    const NORMALISED_GAIN: &str = "gain_n_m_s";
+const PLAIN_GAIN: &str = "gain_am2_s_per_t";
+const NORMALISED_GAIN: &str = "gain_n_m_s";
+const RATE: &str = "rate";
+const CUT_HOLD: &str = "cut_hold";
+const DEAD_BAND: &str = "dead_band_sigmas";
+const RATE_NOISE: &str = "rate_noise_deg_s";
+const FIELD_NOISE: &str = "field_noise_nt";
+const STIFFNESS: &str = "stiffness_n_m_per_rad";
+const DAMPING: &str = "damping_n_m_s";
+const TARGET: &str = "target";
+const TARGET_ATTITUDE: &str = "target_attitude_xyzw";
+const INERTIA: &str = "inertia_kg_m2";
+const GYROSCOPIC: &str = "gyroscopic";
+const GRAVITY: &str = "gravity_gradient";
+const FEED_FORWARD: &str = "residual_dipole_sigma_am2";
+
+/// Half-width of the bang-bang law's dead band when a mission does not say: one wrong sign in 370.
+const DEAD_BAND_SIGMAS: f64 = 3.0;
+
+/// Every key that not every kind understands, and which do.
+const KEYS: [(&str, &[Kind]); 15] = [
+    (PLAIN_GAIN, &[Kind::Plain]),
+    (NORMALISED_GAIN, &[Kind::Normalised]),
+    (RATE, DESPIN),
+    (CUT_HOLD, DESPIN),
+    (DEAD_BAND, &[Kind::BangBang]),
+    (RATE_NOISE, &[Kind::BangBang]),
+    (FIELD_NOISE, &[Kind::BangBang]),
+    (STIFFNESS, &[Kind::CrossProduct]),
+    (DAMPING, &[Kind::CrossProduct]),
+    (TARGET, &[Kind::CrossProduct]),
+    (TARGET_ATTITUDE, &[Kind::CrossProduct]),
+    (INERTIA, &[Kind::CrossProduct]),
+    (GYROSCOPIC, &[Kind::CrossProduct]),
+    (GRAVITY, &[Kind::CrossProduct]),
+    (FEED_FORWARD, &[Kind::Plain, Kind::Normalised, Kind::BangBang, Kind::CrossProduct]),
+];
+const DESPIN: &[Kind] = &[Kind::Plain, Kind::Normalised, Kind::BangBang];
+
+/// What the law takes over from other sections when its own says nothing.
+pub(super) struct Usual {
+    pub inertia_kg_m2: Option<[[f64; 3]; 3]>,
+    pub max_dipole_am2: Option<f32>,
+    pub rate_noise_rad_s: Option<f64>,
+    pub field_noise_t: Option<f64>,
+}
+
+pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, SteeringParameters)> {
     let section = root.section("law")?;
-    let kinds =
-        [("b-dot", Kind::Plain), ("b-dot-normalised", Kind::Normalised), ("none", Kind::None)];
+    let kinds = [
+        ("b-dot", Kind::Plain),
+        ("b-dot-normalised", Kind::Normalised),
+        ("bang-bang", Kind::BangBang),
+        ("cross-product", Kind::CrossProduct),
+        ("none", Kind::None),
+    ];
     let kind = section.choice("kind", &kinds);
-    let (key, gain): (_, Option<BDotGain>) = match kind {
-        Some(Kind::Plain) => {
-            section.meaningless(NORMALISED_GAIN, "kind");
-            let gain = section.number(PLAIN_GAIN, POSITIVE);
-            (PLAIN_GAIN, gain.map(|k| BDotGain::Plain { gain_am2_s_per_t: k as f32 }))
+    let Some(kind) = kind else {
+        // Not known which of them are wanted, so none is called unknown.
+        for (key, _) in KEYS {
+            let _ = section.has(key);
         }
-        Some(Kind::Normalised) => {
-            section.meaningless(PLAIN_GAIN, "kind");
-            let gain = section.number(NORMALISED_GAIN, POSITIVE);
-            (NORMALISED_GAIN, gain.map(|k| BDotGain::Normalised { gain_n_m_s: k as f32 }))
+        section.finish();
+        return None;
+    };
+    for (key, _) in KEYS.iter().filter(|(_, understood)| !understood.contains(&kind)) {
+        section.meaningless(key, "kind");
+    }
+    let law = match kind {
+        Kind::None => Some(LawParameters::Off),
+        Kind::Plain => section
+            .number(PLAIN_GAIN, POSITIVE)
+            .map(|k| LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: k as f32 })),
+        Kind::Normalised => section
+            .number(NORMALISED_GAIN, POSITIVE)
+            .map(|k| LawParameters::BDot(BDotGain::Normalised { gain_n_m_s: k as f32 })),
+        Kind::BangBang => bang_bang(&section, usual),
+        Kind::CrossProduct => cross_product(&section, usual),
+    };
+    let steering = steering(&section, kind);
+    section.finish();
+    let law = law?;
+    if let Err(error) = law.accept() {
+        let key = match (kind, &error) {
+            (Kind::Plain, _) => PLAIN_GAIN,
+            (Kind::Normalised, _) => NORMALISED_GAIN,
+            (_, ParameterError::CrossProduct(CrossProductError::Inertia)) => INERTIA,
+            (_, ParameterError::CrossProduct(CrossProductError::Damping { .. })) => DAMPING,
+            (_, ParameterError::CrossProduct(_)) => STIFFNESS,
+            (_, ParameterError::Aim(_)) => TARGET_ATTITUDE,
+            _ => "kind",
+        };
+        section.refuse(key, Fault::new(error.to_string()));
+        return None;
+    }
+    Some((law, steering?))
+}
+
+fn bang_bang(section: &Section, usual: &Usual) -> Option<LawParameters> {
+    const T_PER_NT: f64 = 1e-9;
+    let sigmas = section.number_or(DEAD_BAND, NOT_NEGATIVE, DEAD_BAND_SIGMAS);
+    let rate = usual.rate_noise_rad_s.unwrap_or_default().to_degrees();
+    let rate = section.number_or(RATE_NOISE, NOT_NEGATIVE, rate);
+    let field = usual.field_noise_t.unwrap_or_default() / T_PER_NT;
+    let field = section.number_or(FIELD_NOISE, NOT_NEGATIVE, field);
+    Some(LawParameters::BangBang(BangBangParameters {
+        dipole_am2: usual.max_dipole_am2?,
+        dead_band_sigmas: sigmas? as f32,
+        rate_noise_rad_s: rate?.to_radians() as f32,
+        field_noise_t: (field? * T_PER_NT) as f32,
+    }))
+}
+
+fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
+    let stiffness = section.number(STIFFNESS, POSITIVE);
+    let damping = section.number(DAMPING, POSITIVE);
+    let inertia = match usual.inertia_kg_m2 {
+        Some(truth) => section.matrix_or(INERTIA, truth),
+        None => section.matrix(INERTIA),
+    };
+    let gyroscopic = flag_or_off(section, GYROSCOPIC);
+    let gravity_gradient = flag_or_off(section, GRAVITY);
+    let aim = match section.choice(TARGET, &[("nadir", false), ("inertial", true)]) {
+        Some(true) => section.quaternion(TARGET_ATTITUDE).map(|xyzw| AimParameters::Inertial {
+            attitude_xyzw: xyzw.map(|component| component as f32),
+        }),
+        Some(false) => {
+            section.meaningless(TARGET_ATTITUDE, TARGET);
+            Some(AimParameters::Nadir)
         }
-        Some(Kind::None) | None => {
-            if kind.is_some() {
-                section.meaningless(PLAIN_GAIN, "kind");
-                section.meaningless(NORMALISED_GAIN, "kind");
-            } else {
-                // Not known which of them is wanted, so neither is called unknown.
-                let _ = (section.has(PLAIN_GAIN), section.has(NORMALISED_GAIN));
-            }
-            ("kind", None)
+        None => {
+            let _ = section.has(TARGET_ATTITUDE);
+            None
         }
     };
-    section.finish();
-    if let Some(Err(error)) = gain.map(BDot::new) {
-        section.refuse(key, Fault::new(error.to_string()));
-    }
-    match kind? {
-        Kind::None => Some(LawParameters::Off),
-        Kind::Plain | Kind::Normalised => gain.map(LawParameters::BDot),
-    }
+    let law = CrossProductParameters {
+        stiffness_n_m_per_rad: stiffness? as f32,
+        damping_n_m_s: damping? as f32,
+        inertia_kg_m2: inertia?.map(|row| row.map(|entry| entry as f32)),
+        gyroscopic: gyroscopic?,
+        gravity_gradient: gravity_gradient?,
+    };
+    Some(LawParameters::CrossProduct { law, aim: aim? })
+}
+
+fn steering(section: &Section, kind: Kind) -> Option<SteeringParameters> {
+    let rates = [("gyro", RateFrom::Gyro), ("field", RateFrom::Field)];
+    let (rate, cut_hold) = if DESPIN.contains(&kind) {
+        let rate = section.choice_or(RATE, &rates, RateFrom::Gyro);
+        (rate, flag_or_off(section, CUT_HOLD))
+    } else {
+        (Some(RateFrom::Gyro), Some(false))
+    };
+    let feed_forward = if kind != Kind::None && section.has(FEED_FORWARD) {
+        Some(section.number(FEED_FORWARD, POSITIVE)? as f32)
+    } else {
+        None
+    };
+    Some(SteeringParameters {
+        rate: rate?,
+        cut_hold: cut_hold?,
+        feed_forward_sigma_am2: feed_forward,
+    })
+}
+
+fn flag_or_off(section: &Section, key: &'static str) -> Option<bool> {
+    if section.has(key) { section.flag(key) } else { Some(false) }
 }
 
 pub(super) fn schedule(root: &Section, cycle_us: Option<u32>) -> Option<ScheduleParameters> {

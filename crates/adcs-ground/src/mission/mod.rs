@@ -97,7 +97,13 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     let attitude = attitude::attitude(root, satellite.as_ref().map(|it| it.inertia_kg_m2));
     let orbit = orbit::orbit(root);
     let start = orbit::start(root, orbit.as_ref());
-    let law = control::law(root);
+    let usual = control::Usual {
+        inertia_kg_m2: satellite.as_ref().map(|it| it.inertia_kg_m2),
+        max_dipole_am2: torquers.as_ref().map(|it| it.parameters.max_dipole_am2),
+        rate_noise_rad_s: gyro.as_ref().map(|it| it.truth.noise),
+        field_noise_t: magnetometer.as_ref().map(|it| it.truth.noise),
+    };
+    let law = control::law(root, &usual);
     let schedule = control::schedule(root, cycle_us);
     root.finish();
 
@@ -106,13 +112,14 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     let (satellite, torques, torquers) = (satellite?, torques?, torquers?);
     let (magnetometer, gyro, sun) = (magnetometer?, gyro?, sun?);
     sensors::refuse_shared_channels(root, &magnetometer, &gyro);
-    let (orbit, start) = (orbit?, start?);
+    let (orbit, start, (law, steering)) = (orbit?, start?, law?);
     let scenario = Scenario {
         version: scenario::VERSION,
         flight: FlightParameters {
             cycle_us: about.cycle_us,
             schedule: schedule?,
-            law: law?,
+            law,
+            steering,
             gyro: gyro.calibration,
             magnetometer: magnetometer.calibration,
             sun_sensors: sun.as_ref().map(|sun| sun.known),

@@ -2,6 +2,7 @@
 
 use adcs_app::LawParameters;
 use adcs_core::control::b_dot::BDotGain;
+use adcs_core::control::guidance::AimParameters;
 use adcs_core::sensing::TriadParameters;
 use adcs_sim::devices::SpiFault;
 use adcs_sim::scenario::{Readings, Scenario, SensorTruth, WorldParameters};
@@ -91,6 +92,21 @@ fn law(law: LawParameters) -> String {
         LawParameters::BDot(BDotGain::Normalised { gain_n_m_s }) => {
             format!("B-dot normalised, m = K (ω × B) / |B|², K = {gain_n_m_s} N·m·s")
         }
+        LawParameters::BangBang(law) => format!(
+            "B-dot by sign, {} A·m² on each axis beyond {} σ of its noise",
+            law.dipole_am2, law.dead_band_sigmas
+        ),
+        LawParameters::CrossProduct { law, aim } => format!(
+            "cross-product, m = (B × u) / |B|², K_p = {:e} N·m/rad, K_d = {:e} N·m·s, towards {}",
+            law.stiffness_n_m_per_rad,
+            law.damping_n_m_s,
+            match aim {
+                AimParameters::Nadir => "nadir".to_owned(),
+                AimParameters::Inertial { attitude_xyzw } => {
+                    format!("the attitude ({})", list(&attitude_xyzw))
+                }
+            }
+        ),
     }
 }
 

@@ -300,5 +300,8 @@ pub(super) fn control_words(control: ControlStatus) -> String {
         ControlStatus::NoRate(reason) => format!("no_rate:{}", missing_word(reason)),
         ControlStatus::NoField(reason) => format!("no_field:{}", missing_word(reason)),
         ControlStatus::NoDipole => "no_dipole".to_owned(),
+        ControlStatus::NoAttitude => "no_attitude".to_owned(),
+        ControlStatus::NoTarget => "no_target".to_owned(),
+        ControlStatus::Spent => "spent".to_owned(),
     }
 }

@@ -1,6 +1,7 @@
 //! The flight that is counted: SPROUT's despin (docs/paper.md), all torques and sensors at work.
 
 use adcs_app::{FlightParameters, LawParameters};
+use adcs_core::pipeline::SteeringParameters;
 use adcs_core::{
     attitude::dynamic::DynamicParameters,
     attitude::selection::{EstimatorParameters, Flies},
@@ -44,6 +45,7 @@ pub fn despin(readings: Readings) -> Scenario {
                 settle_us: 500_000,
             },
             law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
+            steering: SteeringParameters::default(),
             gyro: TriadParameters::default(),
             magnetometer: TriadParameters::default(),
             sun_sensors: Some(SunFacesParameters::SPROUT),

@@ -1,0 +1,313 @@
+//! Stage III in the cycle: which law, from which rate, beside which feed-forward, and for how long.
+//!
+//! A command is decided once a round, at the end of the rest, and held through the action.
+
+use nalgebra::convert;
+use serde::{Deserialize, Serialize};
+
+use crate::attitude::selection::Determination;
+use crate::control::allocation::{Allocation, Command, Saturation};
+use crate::control::b_dot::BDot;
+use crate::control::bang_bang::BangBang;
+use crate::control::cross_product::{self, CrossProduct, Gravity, PointingError};
+use crate::control::feed_forward::{self, FeedForward};
+use crate::control::field_slope::FieldSlope;
+use crate::control::guidance::Aim;
+use crate::control::hold;
+use crate::frames::{Body, Vector};
+use crate::orbit::OrbitState;
+use crate::reading::{MissingReason, Reading};
+use crate::schedule::{Phase, Round};
+use crate::time::Utc;
+
+/// Geocentric gravitational constant, m³/s² (IERS Conventions 2010, table 1.1).
+const MU_M3_S2: f64 = 3.986_004_418e14;
+
+/// The law of stage III.
+#[derive(Debug, Clone, Copy)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one, in static memory, and no heap to box into"
+)]
+pub enum Law {
+    /// The torquers stay off.
+    Off,
+    /// Despin from rate and magnetometer.
+    BDot(BDot),
+    /// The same at full dipole, by sign.
+    BangBang(BangBang),
+    /// An attitude is taken and held.
+    Pointing(Pointing),
+}
+
+/// Which attitude is held, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Pointing {
+    /// The law with its gains.
+    pub law: CrossProduct,
+    /// Where to point.
+    pub aim: Aim,
+}
+
+/// From what the despin laws take the rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RateFrom {
+    /// The gyros, and while they are silent what stage II has instead.
+    #[default]
+    Gyro,
+    /// The turning of the field during the rest, without gyros.
+    Field,
+}
+
+/// What surrounds every law, as stored and uplinked. `Default` is none of it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SteeringParameters {
+    /// From what the despin laws take the rate.
+    pub rate: RateFrom,
+    /// Whether a despin command is switched off when it would begin to drive the spin.
+    pub cut_hold: bool,
+    /// Largest σ of the residual dipole with which it is fed forward, A·m²; `None` never to do so.
+    pub feed_forward_sigma_am2: Option<f32>,
+}
+
+/// What surrounds every law.
+#[derive(Debug, Clone, Copy)]
+pub struct Steering {
+    /// From what the despin laws take the rate.
+    pub rate: RateFrom,
+    /// Whether a despin command is switched off when it would begin to drive the spin.
+    pub cut_hold: bool,
+    /// The residual dipole's feed-forward.
+    pub feed_forward: Option<FeedForward>,
+    /// Action and rest.
+    pub round: Round,
+}
+
+/// What stage III did, and if nothing, why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ControlStatus {
+    /// No law is selected.
+    Off,
+    /// The schedule lets the field settle.
+    Resting,
+    /// The torquers carry the command of this round.
+    Acting,
+    /// The rate was missing when it was needed; off until the next round.
+    NoRate(MissingReason),
+    /// The field was missing when it was needed; off until the next round.
+    NoField(MissingReason),
+    /// The law gave no finite dipole; off until the next round.
+    NoDipole,
+    /// No attitude, or no rate with it, was believed when it was needed; off until the next round.
+    NoAttitude,
+    /// The aim needs an orbit, and there was none; off until the next round.
+    NoTarget,
+    /// The satellite has turned so far that the command would drive it; off until the next round.
+    Spent,
+}
+
+/// What stages I and II and the sensors say.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known<'a> {
+    pub(crate) orbit: Option<&'a OrbitState>,
+    pub(crate) omega_bi: Reading<Vector<Body>>,
+    pub(crate) field_b: Reading<Vector<Body>>,
+    pub(crate) determination: Option<&'a Determination>,
+}
+
+/// What one cycle leaves for the next. `Default` is power-on.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct SteeringState {
+    held: Decision,
+    slope: FieldSlope,
+    last: Option<Utc>,
+}
+
+/// The outcome of stage III, held until the round ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Decision {
+    pub(crate) control: ControlStatus,
+    pub(crate) command: Command,
+    /// When it was decided, and for how long it is of use, s.
+    useful: Option<(Utc, f32)>,
+}
+
+impl Decision {
+    fn off(control: ControlStatus) -> Self {
+        Self { control, command: Command::off(), useful: None }
+    }
+
+    fn acting(command: Command) -> Self {
+        Self { control: ControlStatus::Acting, command, useful: None }
+    }
+
+    /// The command as long as it is of use.
+    fn still(self, now: Utc) -> Self {
+        match self.useful {
+            Some((since, useful_s)) if now.seconds_since(since) as f32 >= useful_s => {
+                Self::off(ControlStatus::Spent)
+            }
+            _ => self,
+        }
+    }
+}
+
+impl Default for Decision {
+    fn default() -> Self {
+        Self::off(ControlStatus::Resting)
+    }
+}
+
+impl SteeringState {
+    /// Stage III of one cycle.
+    pub(crate) fn cycle(
+        &mut self,
+        law: &Law,
+        steering: &Steering,
+        allocation: &Allocation,
+        (now, phase): (Utc, Phase),
+        known: &Known<'_>,
+    ) -> Decision {
+        if steering.rate == RateFrom::Field {
+            let dt_s = self.last.map_or(0.0, |last| now.seconds_since(last) as f32);
+            let settled = matches!(phase, Phase::Settled | Phase::Measuring);
+            self.slope.cycle(settled, known.field_b.value(), dt_s);
+        }
+        self.last = Some(now);
+        self.held = match phase {
+            Phase::Settling | Phase::Settled => Decision::default(),
+            Phase::Measuring => {
+                let round = Deciding { steering, allocation, known, slope: &self.slope, now };
+                round.decide(law).still(now)
+            }
+            Phase::Acting => self.held.still(now),
+        };
+        self.held
+    }
+}
+
+/// One round's decision in the making.
+struct Deciding<'a> {
+    steering: &'a Steering,
+    allocation: &'a Allocation,
+    known: &'a Known<'a>,
+    slope: &'a FieldSlope,
+    now: Utc,
+}
+
+impl Deciding<'_> {
+    /// The law's dipole, brought within what the torquers can do. Whatever is missing switches them off
+    /// for the round.
+    fn decide(&self, law: &Law) -> Decision {
+        match law {
+            Law::Off => Decision::off(ControlStatus::Off),
+            Law::BDot(law) => self.despin(|omega_bi, field_b| law.dipole(omega_bi, field_b)),
+            Law::BangBang(law) => self.despin(|omega_bi, field_b| {
+                let along = |v| self.allocation.to_torquers(v);
+                let dipole = law.dipole(along(omega_bi), along(field_b))?;
+                Some(self.allocation.to_body(dipole))
+            }),
+            Law::Pointing(pointing) => self.point(pointing),
+        }
+    }
+
+    fn despin(
+        &self,
+        law: impl FnOnce(Vector<Body>, Vector<Body>) -> Option<Vector<Body>>,
+    ) -> Decision {
+        let (omega_bi, field_b) = match (self.rate(), self.known.field_b) {
+            (Reading::Missing(reason), _) => return Decision::off(ControlStatus::NoRate(reason)),
+            (_, Reading::Missing(reason)) => return Decision::off(ControlStatus::NoField(reason)),
+            (Reading::Fresh(omega_bi), Reading::Fresh(field_b)) => (omega_bi, field_b),
+        };
+        let Some(wanted) = law(omega_bi, field_b) else {
+            return Decision::off(ControlStatus::NoDipole);
+        };
+        let fed = self.residual().map(|(_, fed)| fed);
+        let command = self.command(fed, wanted, Saturation::ClipAxes);
+        let useful = self.steering.cut_hold.then(|| {
+            // What is fed forward stands against M, which turns along: it never grows stale.
+            let fed = fed.map_or(Vector::zero(), |fed| self.allocation.command(fed).dipole);
+            let share = self.allocation.to_body(command.dipole - fed);
+            (self.now, hold::useful_s(share, omega_bi, field_b))
+        });
+        Decision { useful, ..Decision::acting(command) }
+    }
+
+    fn point(&self, Pointing { law, aim }: &Pointing) -> Decision {
+        let believed = self.known.determination.and_then(|it| it.attitude.zip(it.rate));
+        let Some((attitude, rate)) = believed else {
+            return Decision::off(ControlStatus::NoAttitude);
+        };
+        let field_b = match self.known.field_b {
+            Reading::Missing(reason) => return Decision::off(ControlStatus::NoField(reason)),
+            Reading::Fresh(field_b) => field_b,
+        };
+        let Some(goal) = aim.goal(self.known.orbit) else {
+            return Decision::off(ControlStatus::NoTarget);
+        };
+        let residual = self.residual();
+        let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
+            feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
+        });
+        let omega_bi = rate.omega_bi - ripple;
+        let gravity = self.known.orbit.and_then(|orbit| {
+            let up = (attitude.r_bi * orbit.position.to_f32()).direction()?.vector();
+            let r = orbit.position.norm();
+            Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
+        });
+        let error = PointingError::new(attitude.r_bi, omega_bi, &goal);
+        let torque = law.desired_torque(&error, omega_bi, gravity.as_ref());
+        match cross_product::dipole(torque, field_b) {
+            None => Decision::off(ControlStatus::NoDipole),
+            Some(wanted) => {
+                let fed = residual.map(|(_, fed)| fed).unwrap_or(Vector::zero());
+                let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
+                Decision::acting(command)
+            }
+        }
+    }
+
+    fn command(
+        &self,
+        fed: Option<Vector<Body>>,
+        wanted: Vector<Body>,
+        saturation: Saturation,
+    ) -> Command {
+        match fed {
+            Some(fed) => self.allocation.command_beside(fed, wanted, saturation),
+            None => self.allocation.command(wanted),
+        }
+    }
+
+    /// The rate that despin works with. From the gyro, and when it is silent what stage II makes of the
+    /// dynamics or of the field alone; or always from the field.
+    fn rate(&self) -> Reading<Vector<Body>> {
+        match self.steering.rate {
+            RateFrom::Gyro => {
+                let believed = self.known.determination.and_then(|it| it.rate);
+                match (self.known.omega_bi, believed) {
+                    (Reading::Missing(_), Some(rate)) => Reading::Fresh(rate.omega_bi),
+                    (measured, _) => measured,
+                }
+            }
+            RateFrom::Field => match self.slope.rate() {
+                Some(rate) => Reading::Fresh(rate.omega_bi),
+                // Too few of them while the torquers rested, unless this one says why it is missing.
+                None => Reading::Missing(
+                    self.known.field_b.missing().unwrap_or(MissingReason::TorquersOn),
+                ),
+            },
+        }
+    }
+
+    /// The residual dipole, and what is fed forward against it, while both are to be trusted.
+    fn residual(&self) -> Option<(Vector<Body>, Vector<Body>)> {
+        let forward = self.steering.feed_forward?;
+        let estimate = self.known.determination?.dynamic.estimate.as_ref()?;
+        let (residual, sigma) = (estimate.residual_dipole, estimate.residual_dipole_sigma_am2);
+        let fed = forward.dipole(residual, sigma, &self.steering.round)?;
+        estimate.trusted.then_some((residual, fed))
+    }
+}

@@ -134,6 +134,11 @@ fn what_cannot_be_done_is_said_and_nothing_is_written() {
             stderr(&output)
         );
     }
+    let path = format!("{DATA}/magcal_b_tumbling_500nT.csv");
+    let timeless = fs::read_to_string(path).unwrap().replacen("t_s", "t", 1);
+    let output = calibrate(&["-", "--plot", "never-written.svg"], &timeless);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(output.stdout.is_empty() && stderr(&output).contains("needs the column t_s"));
     for option in [["--start-scale", "0"], ["--start-scale", "much"], ["--zero-v", "inf"]] {
         let output = calibrate(&[&["-"], &option[..]].concat(), &same(12));
         assert_eq!(output.status.code(), Some(2), "{option:?}");

@@ -148,13 +148,17 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
     let request = Request { starts, before, driver, single: args.single };
     let outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
 
+    let plot = match &args.plot {
+        Some(path) => Some((path, plot(&measured, before, &outcome)?)),
+        None => None,
+    };
     let json = serde_json::to_string_pretty(&outcome)?;
     write(&args.output, &format!("{json}\n"))?;
     if let Some(path) = &args.toml {
         write(path, &outcome.correction.toml())?;
     }
-    if let Some(path) = &args.plot {
-        write(path, &plot(&measured, before, &outcome)?)?;
+    if let Some((path, svg)) = &plot {
+        write(path, svg)?;
     }
     if args.output != Path::new("-") {
         print(format_args!("{outcome}"));

@@ -209,6 +209,8 @@ mod tests {
     use super::*;
     use crate::control::allocation::TorquerParameters;
     use crate::control::b_dot::{BDot, BDotGain};
+    use crate::control::cross_product::{CrossProduct, CrossProductParameters};
+    use crate::control::guidance::Aim;
     use crate::schedule::Round;
     use crate::sensing::{SunFacesParameters, TriadParameters};
     use crate::time::LeapSeconds;
@@ -283,6 +285,66 @@ mod tests {
         blind.rate_rad_s = [BUS; 3];
         let measured = cycle(&configuration, &mut state, &blind);
         assert_eq!(measured.control, ControlStatus::NoRate(MissingReason::Bus));
+    }
+
+    #[test]
+    fn a_command_that_would_drive_the_spin_is_cut_for_the_rest_of_the_round() {
+        let (mut configuration, mut state) = (b_dot(), State::default());
+        configuration.steering.cut_hold = true;
+        // 0.11 rad/s: a quarter turn takes 13.8 s.
+        let at = |phase, seconds: i64| {
+            let now = Utc::from_micros_since_2000(seconds * 1_000_000);
+            Inputs { now, ..inputs(phase) }
+        };
+        let measured = cycle(&configuration, &mut state, &at(Phase::Measuring, 0));
+        assert_eq!(measured.control, ControlStatus::Acting);
+        let held = cycle(&configuration, &mut state, &at(Phase::Acting, 13));
+        assert_eq!((held.control, held.command), (ControlStatus::Acting, measured.command));
+        for seconds in [14, 15] {
+            let spent = cycle(&configuration, &mut state, &at(Phase::Acting, seconds));
+            assert_eq!((spent.control, spent.command), (ControlStatus::Spent, Command::off()));
+        }
+        let next = cycle(&configuration, &mut state, &at(Phase::Measuring, 20));
+        assert_eq!(next.control, ControlStatus::Acting);
+    }
+
+    #[test]
+    fn without_gyros_the_rate_comes_from_the_fields_turning_during_the_rest() {
+        let (mut configuration, mut state) = (b_dot(), State::default());
+        configuration.steering.rate = RateFrom::Field;
+        let seen = |phase, half_seconds: i64, y: f32| Inputs {
+            now: Utc::from_micros_since_2000(half_seconds * 500_000),
+            rate_rad_s: [BUS; 3],
+            field_t: [Reading::Fresh(3e-5), Reading::Fresh(y), Reading::Fresh(0.0)],
+            ..inputs(phase)
+        };
+        let alone = cycle(&configuration, &mut state, &seen(Phase::Measuring, 0, 0.0));
+        assert_eq!(alone.control, ControlStatus::NoRate(MissingReason::TorquersOn));
+        cycle(&configuration, &mut state, &seen(Phase::Settling, 1, 0.0));
+        for k in 2..5 {
+            cycle(&configuration, &mut state, &seen(Phase::Settled, k, 3e-7 * k as f32));
+        }
+        let measured = cycle(&configuration, &mut state, &seen(Phase::Measuring, 5, 1.5e-6));
+        assert_eq!(measured.control, ControlStatus::Acting);
+        // m = −k Ḃ, Ḃ along y: 3e-7 T in half a second. To first order in the turn of 2 deg.
+        assert!((measured.command.dipole.xyz.y + 0.06).abs() < 1e-3, "{:?}", measured.command);
+    }
+
+    #[test]
+    fn pointing_without_an_attitude_switches_the_round_off_and_says_so() {
+        let law = CrossProductParameters {
+            stiffness_n_m_per_rad: 1.5e-7,
+            damping_n_m_s: 3e-4,
+            inertia_kg_m2: [[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.06]],
+            gyroscopic: false,
+            gravity_gradient: false,
+        };
+        let law = CrossProduct::new(&law).unwrap();
+        let (configuration, mut state) =
+            (despin(Law::Pointing(Pointing { law, aim: Aim::Nadir })), State::default());
+        let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
+        assert_eq!(measured.control, ControlStatus::NoAttitude);
+        assert_eq!(measured.command, Command::off());
     }
 
     #[test]

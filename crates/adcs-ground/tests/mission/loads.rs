@@ -135,6 +135,33 @@ fn the_normalised_law_and_none_have_their_own_keys() {
 }
 
 #[test]
+fn bang_bang_takes_its_dipole_and_noise_from_the_satellite_and_cross_product_its_inertia() {
+    const LAW: &str =
+        "kind = \"b-dot\"                        # m = k (ω × B)\ngain_am2_s_per_t = 100_000 ";
+    let workshop = Workshop::new();
+    workshop.change(MISSION, LAW, "kind = \"bang-bang\"\ncut_hold = true\nrate = \"field\" ");
+    let flight = workshop.load().unwrap().scenario.flight;
+    let adcs_app::LawParameters::BangBang(law) = flight.law else { panic!("{:?}", flight.law) };
+    assert_eq!((law.dipole_am2, law.dead_band_sigmas), (0.6, 3.0));
+    assert!((law.field_noise_t - 5.86e-7).abs() < 1e-12);
+    assert!((law.rate_noise_rad_s.to_degrees() - 0.163).abs() < 1e-6);
+    assert!(flight.steering.cut_hold && flight.steering.feed_forward_sigma_am2.is_none());
+
+    let workshop = Workshop::new();
+    let pointing = "kind = \"cross-product\"\ntarget = \"nadir\"\nstiffness_n_m_per_rad = 1e-7\n\
+                    damping_n_m_s = 2e-4\nresidual_dipole_sigma_am2 = 0.03 ";
+    workshop.change(MISSION, LAW, pointing);
+    let flight = workshop.load().unwrap().scenario.flight;
+    let adcs_app::LawParameters::CrossProduct { law, .. } = flight.law else {
+        panic!("{:?}", flight.law)
+    };
+    assert_eq!(law.inertia_kg_m2[0], [0.05184, 0.00058, -0.00077]);
+    assert_eq!(flight.steering.feed_forward_sigma_am2, Some(0.03));
+    workshop.change(MISSION, "damping_n_m_s = 2e-4\n", "damping_n_m_s = -2e-4\n");
+    assert_says(&workshop.problem(), "law.damping_n_m_s", "must be positive", "");
+}
+
+#[test]
 fn each_error_of_a_sensor_is_switched_off_alone() {
     let workshop = Workshop::new();
     workshop.change(

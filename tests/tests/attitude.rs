@@ -166,10 +166,10 @@ fn without_gyros_from_the_start_the_field_gives_the_rate_across_it_and_despin_wo
     let faults = [0, 1, 2]
         .map(|axis| Fault { first_cycle: 0, ..from_then_on(gone(SensorAxis::Gyro(axis))) });
     let flight = fly_with_faults(&into_the_night(), &faults);
-    // THEN there is a rate whenever the field has been measured twice,
+    // THEN there is a rate when the field of a rest has been measured three times of five,
     let across = |it: &CycleRecord| rate_source(it) == Some(RateSource::AcrossField);
     let measured = share(&flight, 0, |it| it.field_body_t.value().is_some());
-    assert!(share(&flight, 0, across) > 0.6 * measured, "{measured}");
+    assert!(share(&flight, 0, across) > 0.5 * measured, "{measured}");
     // THEN which takes the energy out of the tumble.
     let energy = |time_s: f64| flight.truth_at(time_s).kinetic_energy_j;
     println!("energy {:.2e} to {:.2e} J", energy(0.0), energy(4500.0));

@@ -5,23 +5,21 @@
 use nalgebra::convert;
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::field_slope::FieldSlope;
 use crate::attitude::selection::Determination;
 use crate::control::allocation::{Allocation, Command, Saturation};
 use crate::control::b_dot::BDot;
 use crate::control::bang_bang::BangBang;
 use crate::control::cross_product::{self, CrossProduct, Gravity, PointingError};
 use crate::control::feed_forward::{self, FeedForward};
-use crate::control::field_slope::FieldSlope;
 use crate::control::guidance::Aim;
 use crate::control::hold;
+use crate::environment::earth::MU_M3_S2;
 use crate::frames::{Body, Vector};
 use crate::orbit::OrbitState;
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::{Phase, Round};
 use crate::time::Utc;
-
-/// Geocentric gravitational constant, m³/s² (IERS Conventions 2010, table 1.1).
-const MU_M3_S2: f64 = 3.986_004_418e14;
 
 /// The law of stage III.
 #[derive(Debug, Clone, Copy)]

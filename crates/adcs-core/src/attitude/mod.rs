@@ -32,7 +32,7 @@
 
 mod davenport;
 pub mod dynamic;
-pub mod field_rate;
+pub mod field_slope;
 mod foam;
 mod information;
 pub mod mekf;

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::dynamic::{
     DynamicError, DynamicFilter, DynamicInputs, DynamicOutput, DynamicParameters, DynamicState,
 };
-use super::field_rate::FieldRate;
+use super::field_slope::FieldSlope;
 use super::mekf::{self, Mekf, MekfState};
 use crate::frames::{Body, Eci, Rotation, Vector};
 
@@ -57,7 +57,7 @@ pub struct EstimatorState<T: RealField + Copy = f32> {
     pub mekf: MekfState<T>,
     /// The dynamics-aided filter's.
     pub dynamic: DynamicState<T>,
-    field_rate: FieldRate<T>,
+    field_slope: FieldSlope<T>,
     /// The last gyro bias that was believed, Body, rad/s.
     bias: Vector<Body, T>,
 }
@@ -67,7 +67,7 @@ impl<T: RealField + Copy> Default for EstimatorState<T> {
         Self {
             mekf: MekfState::default(),
             dynamic: DynamicState::default(),
-            field_rate: FieldRate::default(),
+            field_slope: FieldSlope::default(),
             bias: Vector::zero(),
         }
     }
@@ -200,7 +200,9 @@ impl<T: RealField + Copy> Estimator<T> {
             Flies::Mekf => DynamicOutput::none(None),
         };
         let field = sensors.field.map(|pair| pair.body);
-        let across_field = state.field_rate.cycle(field, self.field_sigma_t, sensors.dt_s);
+        // A field is only handed in while the torquers rest.
+        state.field_slope.cycle(field.is_some(), field, sensors.dt_s);
+        let across_field = state.field_slope.rate();
 
         if let Some(estimate) = dynamic.estimate.as_ref().filter(|it| it.trusted) {
             state.bias = estimate.gyro_bias;
@@ -251,7 +253,7 @@ impl<T: RealField + Copy> Estimator<T> {
         });
         let across_field = across_field.map(|it| Rate {
             omega_bi: it.omega_bi,
-            sigma_rad_s: it.sigma_rad_s,
+            sigma_rad_s: it.sigma_per_tesla * self.field_sigma_t,
             source: RateSource::AcrossField,
         });
         let reason = self.reason(&mekf, &dynamic);

@@ -42,7 +42,7 @@ use crate::frames::{Body, Vector};
 /// is no reason to cut. Zero when the dipole drives the spin from the start.
 ///
 /// A `field` that is parallel to the rate, or a dipole that does no work, gives infinity too. With a
-/// rate known only across the field ([`super::field_slope`]) the true turn is faster and the time is
+/// rate known only across the field ([`crate::attitude::field_slope`]) the true turn is faster and the time is
 /// too long.
 pub fn useful_s<T: RealField + Copy>(
     dipole: Vector<Body, T>,

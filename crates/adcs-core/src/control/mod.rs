@@ -5,6 +5,5 @@ pub mod b_dot;
 pub mod bang_bang;
 pub mod cross_product;
 pub mod feed_forward;
-pub mod field_slope;
 pub mod guidance;
 pub mod hold;

@@ -6,6 +6,10 @@ use crate::frames::{Ecef, Eci, Rotation, Vector};
 use crate::orbit::OrbitState;
 use crate::time::{JulianDate, Utc, gmst82_rad};
 
+/// Geocentric gravitational constant, m³/s² (IERS Conventions 2010, table 1.1; WGS84 and EGM96 have the
+/// same value). SGP4 has one of its own.
+pub const MU_M3_S2: f64 = 3.986_004_418e14;
+
 /// Rate of the Earth's rotation against inertial space, about z of both frames, rad/s.
 ///
 /// Source: IERS Conventions (2003), nominal 7.292115146706979e-5, as used with GMST-82 by Vallado

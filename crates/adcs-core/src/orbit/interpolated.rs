@@ -5,6 +5,7 @@ use core::num::NonZeroU16;
 use nalgebra::Vector3;
 
 use super::{OrbitModel, OrbitState};
+use crate::environment::earth::MU_M3_S2;
 use crate::frames::Vector;
 use crate::nodes::{Grid, NodePair};
 use crate::time::Utc;
@@ -13,8 +14,6 @@ use crate::time::Utc;
 /// thousandth of SGP4's own error.
 pub const SPACING_S: NonZeroU16 = NonZeroU16::new(60).unwrap();
 
-/// Gravitational parameter of the Earth, m³/s² (WGS84).
-const MU_M3_S2: f64 = 3.986_004_418e14;
 /// By how much SGP4's velocity differs from the change of its position, m/s: the first number, and
 /// the second times the eccentricity. SGP4 neglects terms of order J₂ e v in both, not the same
 /// ones. Measured over inclinations from 0 to 98 deg and eccentricities up to 0.2 (a test repeats

@@ -1,11 +1,9 @@
 //! Gravity pulls harder at the near end.
 
+use adcs_core::environment::earth::MU_M3_S2;
 use adcs_core::frames::{Body, Vector};
 
 use crate::rigid_body::Inertia;
-
-/// The Earth's gravitational parameter, m³/s² (WGS84, EGM96).
-pub const EARTH_MU_M3_S2: f64 = 398_600.441_8e9;
 
 /// Gravity-gradient torque, Body, N·m: T = 3 μ / r⁵ (r × J r), with the position r in Body, m.
 ///
@@ -13,7 +11,7 @@ pub const EARTH_MU_M3_S2: f64 = 398_600.441_8e9;
 pub fn torque(inertia: &Inertia, position_b: Vector<Body, f64>) -> Vector<Body, f64> {
     let r = position_b.norm();
     let r2 = r * r;
-    let strength = 3.0 * EARTH_MU_M3_S2 / (r2 * r2 * r);
+    let strength = 3.0 * MU_M3_S2 / (r2 * r2 * r);
     position_b.cross(&inertia.times(position_b)) * strength
 }
 
@@ -30,7 +28,7 @@ mod tests {
         let half = core::f64::consts::FRAC_1_SQRT_2 * r_m;
         let largest = torque(&inertia, Vector::new(half, 0.0, half)).norm();
         // 1.5 n² ΔJ with n² = μ/r³.
-        let expected = 1.5 * EARTH_MU_M3_S2 / (r_m * r_m * r_m) * 0.01;
+        let expected = 1.5 * MU_M3_S2 / (r_m * r_m * r_m) * 0.01;
         assert!((largest / expected - 1.0).abs() < 1e-12);
     }
 }

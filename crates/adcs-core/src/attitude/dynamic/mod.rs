@@ -47,10 +47,9 @@ use self::torque_noise::TorqueSize;
 use self::tracked::{ProcessNoise, Tracked};
 use self::watch::{Seen, Watch};
 use crate::attitude::mekf::{self, FieldPair, FilterEstimate, Gates, Innovation, SunPair};
+use crate::environment::earth::MU_M3_S2;
 use crate::frames::{Body, Eci, Rotation, Vector};
 
-/// The Earth's gravitational parameter, m³/s² (WGS84).
-const EARTH_MU_M3_S2: f64 = 398_600.441_8e9;
 /// Longest step of the integration, s. Third order at 0.2 rad/s leaves 1e-5 of Φ.
 const LONGEST_STEP_S: f64 = 0.5;
 
@@ -389,7 +388,7 @@ fn surroundings<T: RealField + Copy>(
     if !(cube > T::zero() && cube.is_finite()) {
         return nowhere;
     }
-    let gradient = convert::<f64, T>(3.0 * EARTH_MU_M3_S2 * 1e-18) / cube;
+    let gradient = convert::<f64, T>(3.0 * MU_M3_S2 * 1e-18) / cube;
     Surroundings { field, up: scaled / r, gradient }
 }
 

@@ -1,4 +1,4 @@
-//! How fast the field turns while the torquers rest, for B-dot without gyros.
+//! How fast the field turns while the torquers rest: the rate across it from the magnetometer alone.
 //!
 //! A straight line through the settled measurements of one rest, by least squares:
 //!

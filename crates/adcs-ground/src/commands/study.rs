@@ -8,7 +8,7 @@ use adcs_ground::study::campaign::{self, eclipse_ratio, pooled};
 use adcs_ground::study::figures::Figures;
 use adcs_ground::study::run::Flight;
 use adcs_ground::study::scene::Scene;
-use adcs_ground::table::Progress;
+use adcs_ground::table::{Output, Progress};
 use anyhow::{Context as _, Result};
 
 use super::console::print;
@@ -86,7 +86,8 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     let scenes = if args.scenes.is_empty() { &Scene::ALL[..] } else { &args.scenes };
     let mut table = match &args.csv {
         Some(path) => Some(
-            csv::Writer::from_path(path)
+            Output::create(path)
+                .map(csv::Writer::from_writer)
                 .with_context(|| format!("{} cannot be written", path.display()))?,
         ),
         None => None,
@@ -104,6 +105,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             }
             table.flush()?;
         }
+    }
+    if let Some(table) = table {
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -8,21 +8,20 @@
 //! | torquers | 10 s on, 2.5 s off, ±0.6 A·m² | the paper |
 //! | torques | residual dipole, torquers, gravity gradient, and one that nobody models (Gauss–Markov) | |
 
-use adcs_core::environment::eclipse::{EarthShape, lit_fraction};
-use adcs_core::environment::field::FieldModel;
-use adcs_core::environment::sun::ApparentSun;
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
+use adcs_core::orbit::OrbitState;
 use adcs_core::orbit::frame::OrbitFrame;
-use adcs_core::orbit::{OrbitModel, OrbitState};
-use adcs_core::time::{LeapSeconds, Utc};
+use adcs_core::time::Utc;
 use adcs_sim::noise::Gaussian;
 use adcs_sim::rigid_body::{Inertia, Motion as RigidMotion, Stage};
+use adcs_sim::surroundings::{Nature, Surroundings};
 use adcs_sim::torques::{gravity_gradient, magnetic};
 use anyhow::{Context as _, Result, bail};
 use nalgebra::{UnitQuaternion, Vector3};
 use sgp4_lite::Elements;
 
 use super::scene::{Motion, PointingGains, Scene};
+use crate::span::utc_of_epoch;
 
 /// SPROUT on 2015-11-19 (CelesTrak).
 const TLE: [&str; 2] = [
@@ -43,6 +42,8 @@ pub const STEPS_A_SECOND: u32 = 2;
 /// Steps in which the torquers are off and on.
 const OFF_STEPS: u32 = 5;
 const ON_STEPS: u32 = 20;
+/// The Sun counts as shining from this fraction of its disc on.
+const LIT: f64 = 0.5;
 const MAX_DIPOLE_AM2: f64 = 0.6;
 /// The paper's gain, A·m²·s/T.
 const B_DOT_GAIN: f64 = 1e5;
@@ -96,8 +97,8 @@ pub struct Moment {
 #[derive(Debug, Clone)]
 pub struct Truth {
     scene: Scene,
-    orbit: OrbitModel,
-    field: FieldModel<f64>,
+    nature: Nature,
+    around: Surroundings,
     start: Utc,
     steps: u32,
     inertia: Inertia,
@@ -118,9 +119,10 @@ impl Truth {
     /// When the orbit or the field model ends.
     pub fn new(scene: Scene, seed: u64) -> Result<Self> {
         let elements = Elements::from_tle(TLE[0], TLE[1])?;
-        let orbit = OrbitModel::new(&elements)?;
         let mut noise = Gaussian::new(seed, 101);
-        let start = sunlit_start(&orbit, &mut noise)?;
+        let start = sunlit_start(&elements, &mut noise)?;
+        let mut nature = Nature::new(&elements, start)?;
+        let around = nature.at(start)?;
         let bias = Vector3::from_fn(|_, _| noise.symmetric()) * BIAS_RAD_S;
         let (r_bi, omega) = match scene.motion {
             Motion::Tumble => {
@@ -130,8 +132,7 @@ impl Truth {
                 (Rotation::from_hamilton(attitude), axis * rate)
             }
             Motion::Nadir(_) => {
-                let state = orbit.state(start)?;
-                let frame = OrbitFrame::of(&state).context("the orbit has no plane")?;
+                let frame = orbit_frame(&around).context("the orbit has no plane")?;
                 // Body along Orbit to some degrees, turning with it.
                 let off = UnitQuaternion::from_scaled_axis(gaussian(&mut noise) * 5.0 * DEG);
                 let r_bi = Rotation::from_hamilton(off * frame.r_oi.hamilton());
@@ -143,8 +144,8 @@ impl Truth {
         let mut disturbance = Gaussian::new(seed, 102);
         Ok(Self {
             scene,
-            orbit,
-            field: FieldModel::new(start)?,
+            nature,
+            around,
             start,
             steps: 0,
             inertia: Inertia::new(INERTIA_KG_M2)?,
@@ -166,12 +167,10 @@ impl Truth {
     pub fn step(&mut self) -> Result<Moment> {
         let t_s = f64::from(self.steps) * STEP_S;
         let now = self.at(t_s);
-        let state = self.orbit.state(now)?;
-        let position = state.position;
-        let field_i = self.field.eci_t(now, position)?;
-        let sun = sun_position(now)?;
-        let lit = lit_fraction(position, sun, EarthShape::Ellipsoid) > 0.5;
-        let sun_i = (sun - position).xyz.normalize();
+        let Surroundings { position, field_t: field_i, .. } = self.around;
+        let sunlight = self.nature.sunlight(now, position)?;
+        let lit = sunlight.lit > LIT;
+        let sun_i = sunlight.to_sun.xyz.normalize();
         let r_bi = self.motion.r_bi();
         let omega = self.motion.omega_bi.xyz;
         let field_b = (r_bi * field_i).xyz;
@@ -207,7 +206,7 @@ impl Truth {
         if in_round == OFF_STEPS {
             self.held = match self.scene.motion {
                 Motion::Tumble => gyro.cross(&measured) * B_DOT_GAIN,
-                Motion::Nadir(gains) => self.pointing(gains, &state, r_bi, omega, field_b, dipole),
+                Motion::Nadir(gains) => self.pointing(gains, r_bi, omega, field_b, dipole),
             }
             .map(|m| m.clamp(-MAX_DIPOLE_AM2, MAX_DIPOLE_AM2));
         }
@@ -221,13 +220,12 @@ impl Truth {
     fn pointing(
         &self,
         gains: PointingGains,
-        state: &OrbitState,
         r_bi: Rotation<Body, Eci, f64>,
         omega: Vector3<f64>,
         field_b: Vector3<f64>,
         dipole: Vector3<f64>,
     ) -> Vector3<f64> {
-        let Some(frame) = OrbitFrame::of(state) else { return Vector3::zeros() };
+        let Some(frame) = orbit_frame(&self.around) else { return Vector3::zeros() };
         let error = (r_bi * frame.r_oi.inverse()).hamilton();
         // q_bo = (1, −θ/2): θ is how far Body is turned from Orbit.
         let theta = error.imag() * (-2.0 * error.w.signum());
@@ -238,28 +236,24 @@ impl Truth {
     }
 
     fn fly(&mut self, t_s: f64, dipole: Vector3<f64>) -> Result<()> {
-        let mut around = [Vector::<Eci, f64>::zero(); 3];
-        let mut position = Vector::<Eci, f64>::zero();
-        for (field, share) in around.iter_mut().zip([0.0, 0.5, 1.0]) {
-            let at = self.at(t_s + share * STEP_S);
-            position = self.orbit.state(at)?.position;
-            *field = self.field.eci_t(at, position)?;
-        }
-        let [start, middle, end] = around;
+        let start = self.around;
+        let middle = self.nature.at(self.at(t_s + 0.5 * STEP_S))?;
+        let end = self.nature.at(self.at(t_s + STEP_S))?;
         let total = Vector::<Body, f64>::from_xyz(dipole + self.torquers);
         let unmodelled = Vector::from_xyz(self.torque);
         let inertia = self.inertia;
         self.motion = self.motion.stepped(&inertia, STEP_S, |stage, motion| {
-            let field = match stage {
-                Stage::Start => start,
-                Stage::Middle => middle,
-                Stage::End => end,
+            let around = match stage {
+                Stage::Start => &start,
+                Stage::Middle => &middle,
+                Stage::End => &end,
             };
             let r_bi = motion.r_bi();
-            magnetic::torque(total, r_bi * field)
-                + gravity_gradient::torque(&inertia, r_bi * position)
+            magnetic::torque(total, r_bi * around.field_t)
+                + gravity_gradient::torque(&inertia, r_bi * around.position)
                 + unmodelled
         });
+        self.around = end;
         let walk = BIAS_WALK_RAD_S_PER_SQRT_S * STEP_S.sqrt();
         self.bias += gaussian(&mut self.disturbance) * walk;
         let decay = (-STEP_S / self.scene.correlation_s).exp();
@@ -278,15 +272,18 @@ fn orbit_rate(frame: &OrbitFrame, r_bi: Rotation<Body, Eci, f64>) -> Vector3<f64
     (r_bi * (frame.r_oi.inverse() * frame.omega_oi)).xyz
 }
 
-fn sun_position(now: Utc) -> Result<Vector<Eci, f64>> {
-    Ok(ApparentSun::at(now.to_tt(&LeapSeconds::BUILT_IN)?).position_eci_m())
+fn orbit_frame(around: &Surroundings) -> Option<OrbitFrame> {
+    let Surroundings { position, velocity, .. } = *around;
+    OrbitFrame::of(&OrbitState { position, velocity })
 }
 
-fn sunlit_start(orbit: &OrbitModel, noise: &mut Gaussian) -> Result<Utc> {
+fn sunlit_start(elements: &Elements, noise: &mut Gaussian) -> Result<Utc> {
+    let epoch = utc_of_epoch(elements.epoch);
+    let mut nature = Nature::new(elements, epoch)?;
     for _ in 0..1000 {
-        let start = orbit.epoch().plus_micros((uniform(noise) * 2.0 * 86_400e6) as i64);
-        let position = orbit.state(start)?.position;
-        if lit_fraction(position, sun_position(start)?, EarthShape::Ellipsoid) > 0.5 {
+        let start = epoch.plus_micros((uniform(noise) * 2.0 * 86_400e6) as i64);
+        let position = nature.at(start)?.position;
+        if nature.sunlight(start, position)?.lit > LIT {
             return Ok(start);
         }
     }

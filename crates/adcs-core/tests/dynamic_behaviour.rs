@@ -1,6 +1,7 @@
 //! What the dynamics-aided filter does when the world is not as it should be: faults and nonsense.
 
 mod dynamic_support;
+mod nonsense;
 
 use adcs_core::attitude::dynamic::{DynamicInputs, DynamicOutput};
 use adcs_core::attitude::mekf::{self, FieldPair, SunPair};
@@ -8,6 +9,7 @@ use adcs_core::frames::Vector;
 use adcs_core::reading::{MissingReason, Reading};
 use dynamic_support::{Filters, World};
 use nalgebra::Vector3;
+use nonsense::{any_vector, anything};
 use proptest::prelude::*;
 
 /// A tumble in which inertia and dipole are learned, and a drift, deg/s.
@@ -129,22 +131,6 @@ fn torquers_that_do_the_opposite_of_what_is_told_leave_no_trusted_estimate_that_
         assert!(longest_s <= FOR_LONG_S, "{rate:?} {lit}: {longest_s} s");
         assert!(rms < 3.0, "{rms}");
     }
-}
-
-/// A number such as a broken driver, or a bent model, may hand over.
-fn anything() -> impl Strategy<Value = f32> {
-    prop_oneof![
-        4 => -1e-4..1e-4_f32,
-        4 => -6.0..6.0_f32,
-        1 => any::<f32>(),
-        1 => Just(f32::NAN),
-        1 => Just(f32::INFINITY),
-        1 => Just(0.0_f32),
-    ]
-}
-
-fn any_vector<F>() -> impl Strategy<Value = Vector<F>> {
-    [anything(), anything(), anything()].prop_map(|[x, y, z]| Vector::new(x, y, z))
 }
 
 fn any_inputs() -> impl Strategy<Value = DynamicInputs> {

@@ -1,6 +1,7 @@
 //! What the MEKF does when the world is not as it should be: gaps, faults, nonsense, and a whole day.
 
 mod mekf_support;
+mod nonsense;
 
 use adcs_core::attitude::mekf::{
     Event, FieldPair, FilterEstimate, Inputs, Lost, Mekf, MekfParameters, MekfState, Output,
@@ -12,6 +13,7 @@ use mekf_support::orbit_world::OrbitWorld;
 use mekf_support::reference_run::{given_start, measured_again, moments, parameters};
 use mekf_support::{Errors, Figures, Mean, Moment, outputs};
 use nalgebra::Vector3;
+use nonsense::{any_vector, anything};
 use proptest::prelude::*;
 
 /// χ² quantile of 1 − 1e-4, 3 degrees of freedom: no NEES of the attitude is larger by chance.
@@ -219,22 +221,6 @@ fn over_a_day_the_covariance_stays_one_and_single_precision_loses_nothing() {
     assert!((2.4..=3.8).contains(&single_figures.nees_attitude.value()));
     let difference = single_figures.whole_deg() / double_figures.whole_deg() - 1.0;
     assert!(difference.abs() < 1e-3, "{difference}");
-}
-
-/// A number such as a broken driver may hand over.
-fn anything() -> impl Strategy<Value = f32> {
-    prop_oneof![
-        4 => -1e-4..1e-4_f32,
-        4 => -6.0..6.0_f32,
-        1 => any::<f32>(),
-        1 => Just(f32::NAN),
-        1 => Just(f32::INFINITY),
-        1 => Just(0.0_f32),
-    ]
-}
-
-fn any_vector<F>() -> impl Strategy<Value = Vector<F>> {
-    [anything(), anything(), anything()].prop_map(|[x, y, z]| Vector::new(x, y, z))
 }
 
 fn any_inputs() -> impl Strategy<Value = Inputs> {

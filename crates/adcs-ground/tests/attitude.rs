@@ -1,7 +1,10 @@
 //! `adcs attitude`, from the table to the exit code.
 
-use std::io::Write as _;
-use std::process::{Command, Output, Stdio};
+mod support;
+
+use std::process::Output;
+
+use support::Table;
 
 /// The 200 problems with known optima of the library's tests.
 const REFERENCE: &str =
@@ -12,40 +15,7 @@ const ANGLE_RAD: f64 = 1e-10;
 const SINGLE_ANGLE_RAD: f64 = 2e-4;
 
 fn adcs(arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_adcs"))
-        .arg("attitude")
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("adcs starts");
-    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("adcs reads");
-    child.wait_with_output().expect("adcs ends")
-}
-
-/// A table whose fields are found by column.
-struct Table {
-    columns: csv::StringRecord,
-    rows: Vec<csv::StringRecord>,
-}
-
-impl Table {
-    fn read(text: &[u8]) -> Self {
-        let mut reader = csv::Reader::from_reader(text);
-        let columns = reader.headers().expect("a header").clone();
-        Self { columns, rows: reader.records().collect::<Result<_, _>>().expect("rows") }
-    }
-
-    fn text(&self, row: usize, column: &str) -> &str {
-        let at = self.columns.iter().position(|name| name == column);
-        &self.rows[row][at.unwrap_or_else(|| panic!("no column {column} in {:?}", self.columns))]
-    }
-
-    fn quaternion(&self, row: usize, prefix: &str) -> [f64; 4] {
-        ["x", "y", "z", "w"]
-            .map(|part| self.text(row, &format!("{prefix}_{part}")).parse().expect("a number"))
-    }
+    support::adcs("attitude", arguments, input)
 }
 
 fn angle_rad(p: [f64; 4], q: [f64; 4]) -> f64 {

@@ -1,11 +1,13 @@
 //! `adcs calibrate`, from the table to the parameters that fly.
 
+mod support;
+
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use serde_json::Value;
+use support::errors_of;
 
 /// The reference cases of the library's tests.
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../adcs-core/tests/data/magcal");
@@ -20,29 +22,12 @@ const NOISE_FREE_COST_NT4: f64 = 1e-6;
 /// Of f32 against f64.
 const SINGLE_SCALE: f64 = 1e-6;
 
-fn adcs(arguments: &[&str], input: &[u8]) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_adcs"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("adcs starts");
-    // One that has failed before reading everything is what some tests look for.
-    let _ = child.stdin.take().expect("a pipe").write_all(input);
-    child.wait_with_output().expect("adcs ends")
-}
-
 fn calibrate(arguments: &[&str], input: &str) -> Output {
-    adcs(&[&["calibrate"], arguments].concat(), input.as_bytes())
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    support::adcs("calibrate", arguments, input)
 }
 
 fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(output)))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", errors_of(output)))
 }
 
 fn table(case: &str) -> String {
@@ -64,7 +49,7 @@ fn the_reference_cases_reach_their_optimum_from_every_start() {
                 &[&path, "--model", "paper", "--start-scale", "50000", "--start", start],
                 "",
             );
-            assert_eq!(output.status.code(), Some(0), "{case}: {}", stderr(&output));
+            assert_eq!(output.status.code(), Some(0), "{case}: {}", errors_of(&output));
             let found = json(&output);
             let (of_scale, of_bias, of_cost) = match case.contains("noise_free") {
                 true => (NOISE_FREE_SCALE, NOISE_FREE_BIAS_NT, NOISE_FREE_COST_NT4),
@@ -110,7 +95,7 @@ fn columns_are_found_in_any_order_and_rows_that_cannot_be_read_are_left_out() {
     let bad = turned + "n,23000,0.1,zero,0.1\nn,-5,0.1,0.1,0.1\n";
     let output = calibrate(&["-"], &bad);
     assert_eq!((output.status.code(), json(&output)), (Some(1), straight));
-    let said = stderr(&output);
+    let said = errors_of(&output);
     assert!(said.contains("line 602, column V_y_volt: 'zero' is not a number"), "{said}");
     assert!(said.contains("line 603, column igrf_norm_nT: -5 nT"), "{said}");
 }
@@ -129,16 +114,16 @@ fn what_cannot_be_done_is_said_and_nothing_is_written() {
         let output = calibrate(&["-"], &table);
         assert_eq!(output.status.code(), Some(2), "{reason}");
         assert!(
-            output.stdout.is_empty() && stderr(&output).contains(reason),
+            output.stdout.is_empty() && errors_of(&output).contains(reason),
             "{}",
-            stderr(&output)
+            errors_of(&output)
         );
     }
     let path = format!("{DATA}/magcal_b_tumbling_500nT.csv");
     let timeless = fs::read_to_string(path).unwrap().replacen("t_s", "t", 1);
     let output = calibrate(&["-", "--plot", "never-written.svg"], &timeless);
     assert_eq!(output.status.code(), Some(2));
-    assert!(output.stdout.is_empty() && stderr(&output).contains("needs the column t_s"));
+    assert!(output.stdout.is_empty() && errors_of(&output).contains("needs the column t_s"));
     for option in [["--start-scale", "0"], ["--start-scale", "much"], ["--zero-v", "inf"]] {
         let output = calibrate(&[&["-"], &option[..]].concat(), &same(12));
         assert_eq!(output.status.code(), Some(2), "{option:?}");
@@ -184,9 +169,12 @@ fn fly(folder: &Path, name: &str, sections: &str) -> PathBuf {
     );
     fs::write(&mission, text).unwrap();
     let out = folder.join(name);
-    let output =
-        adcs(&["fly", mission.to_str().unwrap(), "-q", "--out", out.to_str().unwrap()], b"");
-    assert!(output.status.success(), "{}", stderr(&output));
+    let output = support::adcs(
+        "fly",
+        &[mission.to_str().unwrap(), "-q", "--out", out.to_str().unwrap()],
+        "",
+    );
+    assert!(output.status.success(), "{}", errors_of(&output));
     out.join("history.csv")
 }
 
@@ -227,7 +215,7 @@ fn the_papers_loop_closes_from_a_wrong_magnetometer_to_a_better_despin() {
     let (json, toml, svg) = (path("found.json"), path("found.toml"), path("norm.svg"));
     let history = before.to_str().unwrap();
     let output = calibrate(&[history, "-o", &json, "--toml", &toml, "--plot", &svg], "");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", errors_of(&output));
     assert!(String::from_utf8_lossy(&output.stdout).contains("[magnetometer.calibration]"));
     assert!(fs::read_to_string(svg).unwrap().starts_with("<svg"));
 

@@ -2,30 +2,19 @@
 //!
 //! `cargo test -p adcs-ground --test estimate -- --nocapture` prints the errors of the reference run.
 
+mod support;
+
 use std::fs;
-use std::io::Write as _;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
+
+use support::{Table, errors_of};
 
 /// The run of the library's tests.
 const RUN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../adcs-core/tests/data/mekf/");
 
 fn adcs(arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_adcs"))
-        .arg("estimate")
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("adcs starts");
-    // A command that refuses its arguments does not read.
-    let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
-    child.wait_with_output().expect("adcs ends")
-}
-
-fn errors_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    support::adcs("estimate", arguments, input)
 }
 
 /// Text in a file of its own.
@@ -35,31 +24,9 @@ fn file(name: &str, text: &str) -> PathBuf {
     path
 }
 
-struct Table {
-    columns: csv::StringRecord,
-    rows: Vec<csv::StringRecord>,
-}
-
-impl Table {
-    fn read(text: &[u8]) -> Self {
-        let mut reader = csv::Reader::from_reader(text);
-        let columns = reader.headers().expect("a header").clone();
-        Self { columns, rows: reader.records().collect::<Result<_, _>>().expect("rows") }
-    }
-
-    fn text(&self, row: usize, column: &str) -> &str {
-        let at = self.columns.iter().position(|name| name == column);
-        &self.rows[row][at.unwrap_or_else(|| panic!("no column {column}"))]
-    }
-
-    fn number(&self, row: usize, column: &str) -> f64 {
-        self.text(row, column).parse().expect("a number")
-    }
-
-    fn hamilton(&self, row: usize) -> nalgebra::Quaternion<f64> {
-        let [x, y, z, w] = ["q_x", "q_y", "q_z", "q_w"].map(|column| self.number(row, column));
-        nalgebra::Quaternion::new(w, x, y, z)
-    }
+fn hamilton(table: &Table, row: usize) -> nalgebra::Quaternion<f64> {
+    let [x, y, z, w] = table.quaternion(row, "q");
+    nalgebra::Quaternion::new(w, x, y, z)
 }
 
 /// The rms of the angle between two tables' attitudes from row `from` on, deg.
@@ -67,7 +34,7 @@ fn rms_deg(estimated: &Table, truth: &Table, from: usize) -> f64 {
     let rows = from..truth.rows.len();
     let count = rows.len() as f64;
     let square = |row| {
-        let between = truth.hamilton(row).conjugate() * estimated.hamilton(row);
+        let between = hamilton(truth, row).conjugate() * hamilton(estimated, row);
         let angle = 2.0 * between.imag().norm().atan2(between.w.abs());
         angle * angle
     };

@@ -119,10 +119,8 @@ fn attitude(counter: &Counter) {
     stage.count("quest", pairs, |pairs| Method::Quest.solve(&pairs));
 }
 
-/// The filter's parts, and a whole cycle of it, half a second after it started from the same Sun and
-/// field.
-fn kinematic(counter: &Counter) {
-    let mekf = Mekf::<f32>::new(&MekfParameters::default()).expect("accepted");
+/// What the filters are given: a tumble, and field and Sun that disagree by a degree or two.
+fn sensed() -> (Reading<Vector<Body>>, FieldPair, SunPair) {
     let field = FieldPair {
         body: Vector::new(0.37e-5, -3.4e-5, -0.84e-5),
         eci: Vector::new(2.76e-5, -2.0e-5, -0.8e-5),
@@ -132,7 +130,14 @@ fn kinematic(counter: &Counter) {
         eci: Vector::new(-0.441, 0.822, 0.361).direction().expect("not zero"),
         sigma_rad: None,
     };
-    let gyro = Reading::Fresh(Vector::new(0.06, 0.03, 0.14));
+    (Reading::Fresh(Vector::new(0.06, 0.03, 0.14)), field, sun)
+}
+
+/// The filter's parts, and a whole cycle of it, half a second after it started from the same Sun and
+/// field.
+fn kinematic(counter: &Counter) {
+    let mekf = Mekf::<f32>::new(&MekfParameters::default()).expect("accepted");
+    let (gyro, field, sun) = sensed();
     let inputs = Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) };
     let state = || {
         let mut state = MekfState::default();
@@ -168,16 +173,7 @@ fn dynamic(counter: &Counter) {
     let filter = DynamicFilter::new(&parameters.dynamics).expect("accepted");
     let silent =
         Inputs { dt_s: 0.0, gyro: Reading::Missing(MissingReason::Bus), field: None, sun: None };
-    let gyro = Reading::Fresh(Vector::new(0.06, 0.03, 0.14));
-    let field = FieldPair {
-        body: Vector::new(0.37e-5, -3.4e-5, -0.84e-5),
-        eci: Vector::new(2.76e-5, -2.0e-5, -0.8e-5),
-    };
-    let sun = SunPair {
-        body: Vector::new(0.164, 0.976, -0.144).direction().expect("not zero"),
-        eci: Vector::new(-0.441, 0.822, 0.361).direction().expect("not zero"),
-        sigma_rad: None,
-    };
+    let (gyro, field, sun) = sensed();
     let around = |sensors: Inputs| DynamicInputs {
         sensors,
         reference_field: Some(field.eci),

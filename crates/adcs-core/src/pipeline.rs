@@ -170,10 +170,11 @@ impl State {
         configuration: &Configuration,
         inputs: &Inputs,
     ) -> ([Reading<f32>; 3], [Reading<f32>; 3]) {
-        let gyro = self.frozen_gyro.screen(inputs.rate_rad_s);
-        let magnetometer = self.frozen_magnetometer.screen(inputs.field_t);
         match configuration.estimator {
-            Some(_) => (gyro, magnetometer),
+            Some(_) => (
+                self.frozen_gyro.screen(inputs.rate_rad_s),
+                self.frozen_magnetometer.screen(inputs.field_t),
+            ),
             None => (inputs.rate_rad_s, inputs.field_t),
         }
     }

@@ -16,10 +16,11 @@ use nalgebra::{Matrix3, RealField};
 use serde::{Deserialize, Serialize};
 
 use super::dynamic::{
-    DynamicError, DynamicFilter, DynamicInputs, DynamicOutput, DynamicParameters, DynamicState,
+    DynamicError, DynamicEstimate, DynamicFilter, DynamicInputs, DynamicOutput, DynamicParameters,
+    DynamicState,
 };
 use super::field_slope::FieldSlope;
-use super::mekf::{self, Mekf, MekfState};
+use super::mekf::{self, FilterEstimate, Mekf, MekfState};
 use crate::frames::{Body, Eci, Rotation, Vector};
 
 /// Stage II as it is stored and uplinked.
@@ -204,48 +205,16 @@ impl<T: RealField + Copy> Estimator<T> {
         state.field_slope.cycle(field.is_some(), field, sensors.dt_s);
         let across_field = state.field_slope.rate();
 
-        if let Some(estimate) = dynamic.estimate.as_ref().filter(|it| it.trusted) {
-            state.bias = estimate.gyro_bias;
-            let attitude = Attitude {
-                r_bi: estimate.r_bi,
-                covariance: estimate.attitude_covariance,
-                source: AttitudeSource::Dynamic,
-            };
-            let rate = Rate {
-                omega_bi: estimate.omega_bi,
-                sigma_rad_s: estimate.rate_covariance.diagonal().max().max(T::zero()).sqrt(),
-                source: RateSource::Dynamic,
-            };
-            return Determination {
-                attitude: Some(attitude),
-                rate: Some(rate),
-                reason: Reason::Best,
-                mekf,
-                dynamic,
-            };
-        }
+        let trusted = dynamic.estimate.as_ref().filter(|it| it.trusted);
         let filtered = mekf.estimate.as_ref().filter(|it| it.source != mekf::Source::TwoVectors);
-        if let Some(estimate) = filtered {
-            state.bias = estimate.gyro_bias;
+        let bias = trusted.map(|it| it.gyro_bias).or(filtered.map(|it| it.gyro_bias));
+        state.bias = bias.unwrap_or(state.bias);
+        if let Some(estimate) = trusted {
+            let (attitude, rate) = of_dynamics(estimate);
+            let (attitude, rate) = (Some(attitude), Some(rate));
+            return Determination { attitude, rate, reason: Reason::Best, mekf, dynamic };
         }
-        let attitude = mekf.estimate.as_ref().map(|estimate| Attitude {
-            r_bi: estimate.r_bi,
-            covariance: estimate.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
-            source: if estimate.source == mekf::Source::TwoVectors {
-                AttitudeSource::TwoVectors
-            } else {
-                AttitudeSource::Mekf
-            },
-        });
-        let less_bias = filtered.and_then(|estimate| {
-            let bias_sigma = estimate.gyro_bias_sigma_rad_s.xyz.max();
-            let sample = self.gyro_sigma_rad_s;
-            Some(Rate {
-                omega_bi: estimate.omega_bi?,
-                sigma_rad_s: (bias_sigma * bias_sigma + sample * sample).sqrt(),
-                source: RateSource::GyroLessBias,
-            })
-        });
+
         let gyro = sensors.gyro.value().filter(Vector::is_finite).map(|gyro| Rate {
             omega_bi: gyro - state.bias,
             sigma_rad_s: self.gyro_sigma_rad_s,
@@ -256,9 +225,22 @@ impl<T: RealField + Copy> Estimator<T> {
             sigma_rad_s: it.sigma_per_tesla * self.field_sigma_t,
             source: RateSource::AcrossField,
         });
-        let reason = self.reason(&mekf, &dynamic);
+        let less_bias = filtered.and_then(|estimate| self.less_bias(estimate));
         let rate = less_bias.or(gyro).or(across_field);
+        let attitude = mekf.estimate.as_ref().map(of_kinematics);
+        let reason = self.reason(&mekf, &dynamic);
         Determination { attitude, rate, reason, mekf, dynamic }
+    }
+
+    /// The gyro less the bias that the MEKF knows now.
+    fn less_bias(&self, estimate: &FilterEstimate<T>) -> Option<Rate<T>> {
+        let bias_sigma = estimate.gyro_bias_sigma_rad_s.xyz.max();
+        let sample = self.gyro_sigma_rad_s;
+        Some(Rate {
+            omega_bi: estimate.omega_bi?,
+            sigma_rad_s: (bias_sigma * bias_sigma + sample * sample).sqrt(),
+            source: RateSource::GyroLessBias,
+        })
     }
 
     fn reason(&self, mekf: &mekf::Output<T>, dynamic: &DynamicOutput<T>) -> Reason {
@@ -273,5 +255,32 @@ impl<T: RealField + Copy> Estimator<T> {
             (Some(_), _) if dynamic.estimate.is_none() => Reason::DynamicNotStarted,
             (Some(_), _) => Reason::DynamicNotTrusted,
         }
+    }
+}
+
+/// What the dynamics-aided filter says.
+fn of_dynamics<T: RealField + Copy>(estimate: &DynamicEstimate<T>) -> (Attitude<T>, Rate<T>) {
+    let attitude = Attitude {
+        r_bi: estimate.r_bi,
+        covariance: estimate.attitude_covariance,
+        source: AttitudeSource::Dynamic,
+    };
+    let rate = Rate {
+        omega_bi: estimate.omega_bi,
+        sigma_rad_s: estimate.rate_covariance.diagonal().max().max(T::zero()).sqrt(),
+        source: RateSource::Dynamic,
+    };
+    (attitude, rate)
+}
+
+/// The MEKF's attitude.
+fn of_kinematics<T: RealField + Copy>(estimate: &FilterEstimate<T>) -> Attitude<T> {
+    Attitude {
+        r_bi: estimate.r_bi,
+        covariance: estimate.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+        source: match estimate.source {
+            mekf::Source::TwoVectors => AttitudeSource::TwoVectors,
+            _ => AttitudeSource::Mekf,
+        },
     }
 }

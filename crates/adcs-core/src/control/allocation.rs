@@ -126,8 +126,7 @@ impl Allocation {
             return Command::off();
         }
         let limit = self.max_dipole_am2;
-        let clip = |m: f32| m.max(-limit).min(limit);
-        let fed = fed.xyz.map(clip);
+        let fed = fed.xyz.map(|m| self.clipped(m));
         let share = match saturation {
             Saturation::ClipAxes => 1.0,
             // The largest part λ ≤ 1 with |fed + λ wanted| within the limit on each axis.
@@ -140,9 +139,14 @@ impl Allocation {
         };
         let within = fed + along.xyz * share;
         Command {
-            dipole: Vector::from_xyz(within.map(clip)),
+            dipole: Vector::from_xyz(within.map(|m| self.clipped(m))),
             saturated: (fed + along.xyz).map(|m| m.abs() >= limit).into(),
         }
+    }
+
+    /// Not `clamp`, which panics, and prints, should the limit ever be NaN.
+    fn clipped(&self, dipole_am2: f32) -> f32 {
+        dipole_am2.max(-self.max_dipole_am2).min(self.max_dipole_am2)
     }
 
     /// The command that comes closest, axis by axis, to the wanted dipole (Body, A·m²). A wanted
@@ -154,8 +158,7 @@ impl Allocation {
         }
         let limit = self.max_dipole_am2;
         Command {
-            // Not `clamp`, which panics, and prints, should the limit ever be NaN.
-            dipole: Vector::from_xyz(along.xyz.map(|m| m.max(-limit).min(limit))),
+            dipole: Vector::from_xyz(along.xyz.map(|m| self.clipped(m))),
             saturated: along.to_array().map(|m| m.abs() >= limit),
         }
     }

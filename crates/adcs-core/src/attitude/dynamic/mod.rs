@@ -251,11 +251,9 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         }
     }
 
-    /// What the gyro shows, if it is within the range of one: as in the MEKF.
+    /// What the gyro shows, if it is within the range of one.
     fn possible_rate(&self, inputs: &DynamicInputs<T>) -> Option<Vector<Body, T>> {
-        let limit = self.parameters.sensors.limits.rate_rad_s;
-        let gyro = inputs.sensors.gyro.value();
-        gyro.filter(|rate| rate.is_finite() && rate.xyz.amax() <= limit)
+        self.parameters.sensors.limits.possible_rate(inputs.sensors.gyro)
     }
 
     fn update_gyro(&self, tracked: &mut Tracked<T>, gyro: &Vector<Body, T>) -> Innovation<T> {
@@ -269,8 +267,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
             )
         };
         let rows = [row(Vector3::x()), row(Vector3::y()), row(Vector3::z())];
-        let (nis, accepted) = tracked.absorb(&rows, self.parameters.sensors.gates.field_nis);
-        Innovation { nis, accepted }
+        tracked.absorb(&rows, self.parameters.sensors.gates.field_nis)
     }
 
     fn update_field(&self, tracked: &mut Tracked<T>, field: &FieldPair<T>) -> Innovation<T> {
@@ -278,8 +275,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         let variance = self.field_noise_t * self.field_noise_t;
         let rows = mekf::measurement::field::<T, 3>(expected.xyz, field.body.xyz, variance)
             .map(|row| Row::new([(Block::Attitude, row.h)], row.innovation, row.variance));
-        let (nis, accepted) = tracked.absorb(&rows, self.parameters.sensors.gates.field_nis);
-        Innovation { nis, accepted }
+        tracked.absorb(&rows, self.parameters.sensors.gates.field_nis)
     }
 
     fn update_sun(&self, tracked: &mut Tracked<T>, sun: &SunPair<T>) -> Option<Innovation<T>> {
@@ -288,8 +284,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         let measured = sun.body.vector();
         let rows = mekf::measurement::direction::<T, 3>(expected.xyz, measured.xyz, noise * noise)?
             .map(|row| Row::new([(Block::Attitude, row.h)], row.innovation, row.variance));
-        let (nis, accepted) = tracked.absorb(&rows, self.parameters.sensors.gates.sun_nis);
-        Some(Innovation { nis, accepted })
+        Some(tracked.absorb(&rows, self.parameters.sensors.gates.sun_nis))
     }
 
     /// Takes over the MEKF's estimate, when there is one; the rate is the gyro's of this instant, whose

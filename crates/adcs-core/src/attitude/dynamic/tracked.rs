@@ -7,6 +7,7 @@ use super::covariance::{Covariance, Row, Step};
 use super::linear::{tensor_of, transition};
 use super::parameters::DynamicParameters;
 use super::plant::{Inertia, Motion, Plant, Surroundings, Torques};
+use crate::attitude::mekf::Innovation;
 use crate::frames::Rotation;
 
 /// Everything the filter knows.
@@ -96,10 +97,9 @@ impl<T: RealField + Copy> Tracked<T> {
         }
     }
 
-    /// Holds one vector measurement against the estimate: its NIS, and whether it was at most `gate` and
-    /// has been absorbed.
-    pub(super) fn absorb<const M: usize>(&mut self, rows: &[Row<T>; M], gate: T) -> (T, bool) {
-        let refused = (T::max_value().unwrap_or_else(T::one), false);
+    /// Holds one vector measurement against the estimate, and absorbs it when its NIS is at most `gate`.
+    pub(super) fn absorb<const M: usize>(&mut self, rows: &[Row<T>; M], gate: T) -> Innovation<T> {
+        let refused = Innovation { nis: T::max_value().unwrap_or_else(T::one), accepted: false };
         let mut after = self.covariance;
         let mut step: Step<T> = [Vector3::zeros(); COUNT];
         let mut nis = T::zero();
@@ -111,11 +111,11 @@ impl<T: RealField + Copy> Tracked<T> {
             return refused;
         }
         if nis > gate {
-            return (nis, false);
+            return Innovation { nis, accepted: false };
         }
         self.covariance = after;
         self.correct(&step);
-        (nis, true)
+        Innovation { nis, accepted: true }
     }
 
     fn correct(&mut self, step: &Step<T>) {
@@ -209,7 +209,8 @@ pub(super) mod tests {
     fn a_measurement_moves_every_state_that_goes_with_it() {
         let mut tracked = propagated(tracked(ALL), &NOISE, 20);
         let before = tracked;
-        let (nis, accepted) = tracked.absorb(&rows(Vector3::new(0.02, -0.01, 0.015)), 25.9);
+        let Innovation { nis, accepted } =
+            tracked.absorb(&rows(Vector3::new(0.02, -0.01, 0.015)), 25.9);
         assert!(accepted && nis > 0.0);
         // After ten seconds the attitude goes with rate, dipole and torque; with the bias not: the
         // gyro has not spoken.
@@ -228,7 +229,7 @@ pub(super) mod tests {
         let mut tracked = propagated(tracked(ALL), &NOISE, 20);
         let before = tracked;
         for wild in [Vector3::repeat(3.0), Vector3::repeat(1e200), Vector3::repeat(f64::NAN)] {
-            let (nis, accepted) = tracked.absorb(&rows(wild), 25.9);
+            let Innovation { nis, accepted } = tracked.absorb(&rows(wild), 25.9);
             assert!(!accepted && nis > 25.9 && nis.is_finite());
             assert_eq!(tracked.motion.omega, before.motion.omega);
             assert_eq!(tracked.motion.r_bi.hamilton(), before.motion.r_bi.hamilton());
@@ -275,7 +276,7 @@ pub(super) mod tests {
             for cycle in 0..100 {
                 it = propagated(it, &NOISE, 2);
                 let innovation = Vector3::new(1e-3, -2e-3, 1e-3) * libm::sin(f64::from(cycle));
-                assert!(it.absorb(&rows(innovation), 25.9).1, "{cycle}");
+                assert!(it.absorb(&rows(innovation), 25.9).accepted, "{cycle}");
             }
             for (block, flies, state) in [
                 (Block::Moments, inertia, it.moments),

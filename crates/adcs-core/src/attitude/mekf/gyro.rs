@@ -48,10 +48,7 @@ pub(super) fn over_step<T: RealField + Copy>(
     reading: Reading<Vector<Body, T>>,
     dt_s: T,
 ) -> Option<StepRate<T>> {
-    let possible = |rate: &Vector<Body, T>| {
-        rate.is_finite() && rate.xyz.amax() <= parameters.limits.rate_rad_s
-    };
-    match reading.value().filter(possible) {
+    match parameters.limits.possible_rate(reading) {
         Some(sample) => {
             let before = held.replace(HeldRate { sample_b: sample.xyz, held_s: T::zero() });
             Some(measured(parameters, before, sample.xyz, dt_s))

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::gyro::GyroSampling;
 use crate::attitude::Method;
+use crate::frames::{Body, Vector};
+use crate::reading::Reading;
 
 /// The filter's tuning as it is stored and uplinked.
 ///
@@ -117,6 +119,16 @@ impl<T: RealField> Default for Limits<T> {
             coast_acceleration_rad_s2: convert(2.5e-3),
             linear_rad: convert(0.35),
         }
+    }
+}
+
+impl<T: RealField + Copy> Limits<T> {
+    /// What a gyro shows, unless it is missing or faster than any that a gyro reports.
+    pub(in crate::attitude) fn possible_rate(
+        &self,
+        gyro: Reading<Vector<Body, T>>,
+    ) -> Option<Vector<Body, T>> {
+        gyro.value().filter(|rate| rate.is_finite() && rate.xyz.amax() <= self.rate_rad_s)
     }
 }
 

@@ -10,7 +10,7 @@ use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
 use adcs_core::control::bang_bang::{BangBang, BangBangError, BangBangParameters};
 use adcs_core::control::cross_product::{CrossProduct, CrossProductError, CrossProductParameters};
 use adcs_core::control::feed_forward::{FeedForward, SigmaError};
-use adcs_core::control::guidance::{Aim, AimError, AimParameters};
+use adcs_core::control::guidance::{AimError, Guidance, GuidanceParameters};
 use adcs_core::environment::sun_track::SunTrack;
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
@@ -37,7 +37,7 @@ pub enum LawParameters {
         /// Gains and terms.
         law: CrossProductParameters,
         /// Where to point.
-        aim: AimParameters,
+        guidance: GuidanceParameters,
     },
 }
 
@@ -78,7 +78,7 @@ pub enum ParameterError {
     BangBang(BangBangError),
     /// The cross-product law's gains or inertia.
     CrossProduct(CrossProductError),
-    /// The attitude to be held.
+    /// Where to point, or how to get there.
     Aim(AimError),
     /// The accuracy from which on the residual dipole is fed forward.
     FeedForward(SigmaError),
@@ -129,9 +129,9 @@ impl LawParameters {
             Self::BangBang(law) => {
                 Law::BangBang(BangBang::new(law).map_err(ParameterError::BangBang)?)
             }
-            Self::CrossProduct { law, aim } => Law::Pointing(Pointing {
+            Self::CrossProduct { law, guidance } => Law::Pointing(Pointing {
                 law: CrossProduct::new(law).map_err(ParameterError::CrossProduct)?,
-                aim: Aim::new(aim).map_err(ParameterError::Aim)?,
+                guidance: Guidance::new(guidance).map_err(ParameterError::Aim)?,
             }),
         })
     }

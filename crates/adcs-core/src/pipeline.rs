@@ -131,15 +131,21 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         .map(|estimator| state.determination.cycle(estimator, inputs.now, &sensed));
 
     // Stage III: what to do about it.
-    let known =
-        Known { orbit: orbit.as_ref(), omega_bi, field_b, determination: determination.as_ref() };
+    let reference_sun = sunlight.map(|sunlight| sunlight.direction);
+    let known = Known {
+        orbit: orbit.as_ref(),
+        sun: reference_sun,
+        omega_bi,
+        field_b,
+        determination: determination.as_ref(),
+    };
     let Configuration { law, steering, allocation, .. } = configuration;
     let at = (inputs.now, inputs.phase);
     let decision = state.steering.cycle(law, steering, allocation, at, &known);
     Thoughts {
         orbit,
         reference_field,
-        reference_sun: sunlight.map(|sunlight| sunlight.direction),
+        reference_sun,
         sunlit: sunlight.and_then(|sunlight| sunlight.lit),
         omega_bi,
         field_b,
@@ -211,7 +217,7 @@ mod tests {
     use crate::control::allocation::TorquerParameters;
     use crate::control::b_dot::{BDot, BDotGain};
     use crate::control::cross_product::{CrossProduct, CrossProductParameters};
-    use crate::control::guidance::Aim;
+    use crate::control::guidance::{Aim, Guidance};
     use crate::schedule::Round;
     use crate::sensing::{SunFacesParameters, TriadParameters};
     use crate::time::LeapSeconds;
@@ -341,8 +347,9 @@ mod tests {
             gravity_gradient: false,
         };
         let law = CrossProduct::new(&law).unwrap();
+        let guidance = Guidance { aim: Aim::Nadir, slew: None };
         let (configuration, mut state) =
-            (despin(Law::Pointing(Pointing { law, aim: Aim::Nadir })), State::default());
+            (despin(Law::Pointing(Pointing { law, guidance })), State::default());
         let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
         assert_eq!(measured.control, ControlStatus::NoAttitude);
         assert_eq!(measured.command, Command::off());

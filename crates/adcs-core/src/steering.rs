@@ -12,10 +12,10 @@ use crate::control::b_dot::BDot;
 use crate::control::bang_bang::BangBang;
 use crate::control::cross_product::{self, CrossProduct, Gravity, PointingError};
 use crate::control::feed_forward::{self, FeedForward};
-use crate::control::guidance::Aim;
+use crate::control::guidance::{Guidance, Scene, SlewState};
 use crate::control::hold;
 use crate::environment::earth::MU_M3_S2;
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, Direction, Eci, Vector};
 use crate::orbit::OrbitState;
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::{Phase, Round};
@@ -44,7 +44,7 @@ pub struct Pointing {
     /// The law with its gains.
     pub law: CrossProduct,
     /// Where to point.
-    pub aim: Aim,
+    pub guidance: Guidance,
 }
 
 /// From what the despin laws take the rate.
@@ -99,7 +99,7 @@ pub enum ControlStatus {
     NoDipole,
     /// No attitude, or no rate with it, was believed when it was needed; off until the next round.
     NoAttitude,
-    /// The aim needs an orbit, and there was none; off until the next round.
+    /// The aim needs an orbit or the Sun, and there was none; off until the next round.
     NoTarget,
     /// The satellite has turned so far that the command would drive it; off until the next round.
     Spent,
@@ -109,6 +109,7 @@ pub enum ControlStatus {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) orbit: Option<&'a OrbitState>,
+    pub(crate) sun: Option<Direction<Eci>>,
     pub(crate) omega_bi: Reading<Vector<Body>>,
     pub(crate) field_b: Reading<Vector<Body>>,
     pub(crate) determination: Option<&'a Determination>,
@@ -119,6 +120,7 @@ pub(crate) struct Known<'a> {
 pub(crate) struct SteeringState {
     held: Decision,
     slope: FieldSlope,
+    slew: SlewState,
     last: Option<Utc>,
 }
 
@@ -176,7 +178,8 @@ impl SteeringState {
         self.held = match phase {
             Phase::Settling | Phase::Settled => Decision::default(),
             Phase::Measuring => {
-                let round = Deciding { steering, allocation, known, slope: &self.slope, now };
+                let Self { slope, slew, .. } = self;
+                let mut round = Deciding { steering, allocation, known, slope, slew, now };
                 round.decide(law).still(now)
             }
             Phase::Acting => self.held.still(now),
@@ -191,13 +194,14 @@ struct Deciding<'a> {
     allocation: &'a Allocation,
     known: &'a Known<'a>,
     slope: &'a FieldSlope,
+    slew: &'a mut SlewState,
     now: Utc,
 }
 
 impl Deciding<'_> {
     /// The law's dipole, brought within what the torquers can do. Whatever is missing switches them off
     /// for the round.
-    fn decide(&self, law: &Law) -> Decision {
+    fn decide(&mut self, law: &Law) -> Decision {
         match law {
             Law::Off => Decision::off(ControlStatus::Off),
             Law::BDot(law) => self.despin(|omega_bi, field_b| law.dipole(omega_bi, field_b)),
@@ -233,7 +237,7 @@ impl Deciding<'_> {
         Decision { useful, ..Decision::acting(command) }
     }
 
-    fn point(&self, Pointing { law, aim }: &Pointing) -> Decision {
+    fn point(&mut self, Pointing { law, guidance }: &Pointing) -> Decision {
         let believed = self.known.determination.and_then(|it| it.attitude.zip(it.rate));
         let Some((attitude, rate)) = believed else {
             return Decision::off(ControlStatus::NoAttitude);
@@ -242,20 +246,25 @@ impl Deciding<'_> {
             Reading::Missing(reason) => return Decision::off(ControlStatus::NoField(reason)),
             Reading::Fresh(field_b) => field_b,
         };
-        let Some(goal) = aim.goal(self.known.orbit) else {
+        let Known { orbit, sun, .. } = *self.known;
+        let Some(goal) = guidance.aim.goal(&Scene { now: self.now, orbit, sun }) else {
             return Decision::off(ControlStatus::NoTarget);
+        };
+        let asked = match &guidance.slew {
+            Some(slew) => slew.towards(self.slew, self.now, attitude.r_bi, &goal),
+            None => goal,
         };
         let residual = self.residual();
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
         });
         let omega_bi = rate.omega_bi - ripple;
-        let gravity = self.known.orbit.and_then(|orbit| {
+        let gravity = orbit.and_then(|orbit| {
             let up = (attitude.r_bi * orbit.position.to_f32()).direction()?.vector();
             let r = orbit.position.norm();
             Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
         });
-        let error = PointingError::new(attitude.r_bi, omega_bi, &goal);
+        let error = PointingError::new(attitude.r_bi, omega_bi, &asked);
         let torque = law.desired_torque(&error, omega_bi, gravity.as_ref());
         match cross_product::dipole(torque, field_b) {
             None => Decision::off(ControlStatus::NoDipole),

@@ -11,6 +11,7 @@
 mod attitude;
 mod control;
 mod document;
+mod guidance;
 mod orbit;
 mod problem;
 mod satellite;

@@ -38,6 +38,16 @@ pub enum Law {
     Pointing(Pointing),
 }
 
+impl Law {
+    /// Whether it takes and holds an attitude.
+    pub fn points(&self) -> bool {
+        match self {
+            Self::Pointing(_) => true,
+            Self::Off | Self::BDot(_) | Self::BangBang(_) => false,
+        }
+    }
+}
+
 /// Which attitude is held, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Pointing {
@@ -55,6 +65,8 @@ pub enum RateFrom {
     Gyro,
     /// The turning of the field during the rest, without gyros.
     Field,
+    /// What stage II believes, and the gyros while it believes nothing.
+    Estimate,
 }
 
 /// What surrounds every law, as stored and uplinked. `Default` is none of it.
@@ -122,6 +134,7 @@ pub(crate) struct SteeringState {
     slope: FieldSlope,
     slew: SlewState,
     last: Option<Utc>,
+    error_rad: Option<f32>,
 }
 
 /// The outcome of stage III, held until the round ends.
@@ -131,22 +144,24 @@ pub(crate) struct Decision {
     pub(crate) command: Command,
     /// When it was decided, and for how long it is of use, s.
     useful: Option<(Utc, f32)>,
+    /// Angle from Body to the target, rad, when it was decided; `None` when no attitude is aimed at.
+    pub(crate) error_rad: Option<f32>,
 }
 
 impl Decision {
     fn off(control: ControlStatus) -> Self {
-        Self { control, command: Command::off(), useful: None }
+        Self { control, command: Command::off(), useful: None, error_rad: None }
     }
 
     fn acting(command: Command) -> Self {
-        Self { control: ControlStatus::Acting, command, useful: None }
+        Self { control: ControlStatus::Acting, command, useful: None, error_rad: None }
     }
 
     /// The command as long as it is of use.
     fn still(self, now: Utc) -> Self {
         match self.useful {
             Some((since, useful_s)) if now.seconds_since(since) as f32 >= useful_s => {
-                Self::off(ControlStatus::Spent)
+                Self { error_rad: self.error_rad, ..Self::off(ControlStatus::Spent) }
             }
             _ => self,
         }
@@ -160,6 +175,18 @@ impl Default for Decision {
 }
 
 impl SteeringState {
+    /// Drops what was decided by a law that flies no longer: torquers off until the next round.
+    pub(crate) fn interrupt(&mut self) {
+        self.held = Decision::default();
+        self.slew = SlewState::default();
+        self.error_rad = None;
+    }
+
+    /// Angle from Body to the target, rad, as it was last decided upon.
+    pub(crate) fn error_rad(&self) -> Option<f32> {
+        self.error_rad
+    }
+
     /// Stage III of one cycle.
     pub(crate) fn cycle(
         &mut self,
@@ -180,7 +207,9 @@ impl SteeringState {
             Phase::Measuring => {
                 let Self { slope, slew, .. } = self;
                 let mut round = Deciding { steering, allocation, known, slope, slew, now };
-                round.decide(law).still(now)
+                let decision = round.decide(law).still(now);
+                self.error_rad = decision.error_rad;
+                decision
             }
             Phase::Acting => self.held.still(now),
         };
@@ -265,13 +294,14 @@ impl Deciding<'_> {
             Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
         });
         let error = PointingError::new(attitude.r_bi, omega_bi, &asked);
+        let error_rad = Some((attitude.r_bi * goal.r_ti.inverse()).angle_rad());
         let torque = law.desired_torque(&error, omega_bi, gravity.as_ref());
         match cross_product::dipole(torque, field_b) {
-            None => Decision::off(ControlStatus::NoDipole),
+            None => Decision { error_rad, ..Decision::off(ControlStatus::NoDipole) },
             Some(wanted) => {
                 let fed = residual.map(|(_, fed)| fed).unwrap_or(Vector::zero());
                 let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
-                Decision::acting(command)
+                Decision { error_rad, ..Decision::acting(command) }
             }
         }
     }
@@ -292,11 +322,14 @@ impl Deciding<'_> {
     /// dynamics or of the field alone; or always from the field.
     fn rate(&self) -> Reading<Vector<Body>> {
         match self.steering.rate {
-            RateFrom::Gyro => {
+            RateFrom::Gyro | RateFrom::Estimate => {
                 let believed = self.known.determination.and_then(|it| it.rate);
-                match (self.known.omega_bi, believed) {
-                    (Reading::Missing(_), Some(rate)) => Reading::Fresh(rate.omega_bi),
-                    (measured, _) => measured,
+                let measured = self.known.omega_bi;
+                let is_wanted =
+                    self.steering.rate == RateFrom::Estimate || measured.missing().is_some();
+                match believed.filter(|_| is_wanted) {
+                    Some(rate) => Reading::Fresh(rate.omega_bi),
+                    None => measured,
                 }
             }
             RateFrom::Field => match self.slope.rate() {

@@ -70,8 +70,16 @@ pub(super) struct Usual {
     pub field_noise_t: Option<f64>,
 }
 
+/// Section `law`: what flies from start to end; with modes, what points.
 pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, SteeringParameters)> {
-    let section = root.section("law")?;
+    flown(&root.section("law")?, usual)
+}
+
+/// A law and what surrounds it.
+pub(super) fn flown(
+    section: &Section,
+    usual: &Usual,
+) -> Option<(LawParameters, SteeringParameters)> {
     let kinds = [
         ("b-dot", Kind::Plain),
         ("b-dot-normalised", Kind::Normalised),
@@ -102,10 +110,10 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
         Kind::Normalised => section
             .number(NORMALISED_GAIN, POSITIVE)
             .map(|k| LawParameters::BDot(BDotGain::Normalised { gain_n_m_s: k as f32 })),
-        Kind::BangBang => bang_bang(&section, usual),
-        Kind::CrossProduct => cross_product(&section, usual),
+        Kind::BangBang => bang_bang(section, usual),
+        Kind::CrossProduct => cross_product(section, usual),
     };
-    let steering = steering(&section, kind);
+    let steering = steering(section, kind);
     section.finish();
     let law = law?;
     if let Err(error) = law.accept() {
@@ -159,7 +167,8 @@ fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
 }
 
 fn steering(section: &Section, kind: Kind) -> Option<SteeringParameters> {
-    let rates = [("gyro", RateFrom::Gyro), ("field", RateFrom::Field)];
+    let rates =
+        [("gyro", RateFrom::Gyro), ("field", RateFrom::Field), ("estimate", RateFrom::Estimate)];
     let (rate, cut_hold) = if DESPIN.contains(&kind) {
         let rate = section.choice_or(RATE, &rates, RateFrom::Gyro);
         (rate, flag_or_off(section, CUT_HOLD))

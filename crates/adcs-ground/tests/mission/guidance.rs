@@ -37,7 +37,9 @@ fn each_target_has_its_keys() {
     assert_eq!(held.aim, AimParameters::Inertial { attitude_xyzw });
     assert_eq!(held.slew_rad_s, None);
 
-    let sun = guidance("target = \"sun\"\nboresight = [0, -1, 0]\nsecond_axis = [1, 0, 0]\nspin_deg_s = 0.5");
+    let sun = guidance(
+        "target = \"sun\"\nboresight = [0, -1, 0]\nsecond_axis = [1, 0, 0]\nspin_deg_s = 0.5",
+    );
     let AimParameters::Sun(sun) = sun.aim else { panic!("{sun:?}") };
     assert!((sun.spin_rad_s.to_degrees() - 0.5).abs() < 1e-6);
     assert_eq!((sun.axes.boresight, sun.axes.second), ([0.0, -1.0, 0.0], [1.0, 0.0, 0.0]));

@@ -2,5 +2,6 @@
 
 mod guidance;
 mod loads;
+mod modes;
 mod refused;
 mod workshop;

@@ -56,6 +56,8 @@ struct InMode {
     recovered: Held,
     was_captured: bool,
     was_commanded: bool,
+    /// The sensor whose silence led here.
+    missed: Option<Sensor>,
     rate: Growth,
     error: Growth,
 }
@@ -99,7 +101,12 @@ impl ModesState {
             _ => {}
         }
         self.mode = Some(to);
-        self.here = InMode { was_commanded: cause == Cause::Commanded, ..InMode::default() };
+        let missed = match cause {
+            Cause::Silent(sensor) => Some(sensor),
+            _ => None,
+        };
+        let was_commanded = cause == Cause::Commanded;
+        self.here = InMode { was_commanded, missed, ..InMode::default() };
         Transition { from, to, cause }
     }
 }
@@ -204,9 +211,11 @@ impl Modes {
     fn way(&self, state: &mut ModesState, mode: Mode, seen: &Seen<'_>) -> Option<(Mode, Cause)> {
         let (p, dt_s) = (self.parameters(), seen.dt_s);
         let sun_is_silent = p.pointing_needs.sun && state.sun.for_s >= p.sun_gap_s;
+        let missed = state.here.missed;
+        let needed = |sensor, needs| needs || missed == Some(sensor);
         let speaking = state.magnetometer.for_s == 0.0
-            && (state.gyro.for_s == 0.0 || !p.despin_needs.gyro)
-            && (state.sun.for_s == 0.0 || !p.despin_needs.sun);
+            && (state.gyro.for_s == 0.0 || !needed(Sensor::Gyro, p.despin_needs.gyro))
+            && (state.sun.for_s == 0.0 || !needed(Sensor::SunSensors, p.despin_needs.sun));
         let here = &mut state.here;
         let below = |limit: f32| seen.rate_rad_s.is_some_and(|rate| rate < limit);
         let fast = seen.rate_rad_s.is_some_and(|rate| rate > p.tumbling_rad_s);

@@ -35,6 +35,7 @@ pub fn chart(measured: &[Measured], before: DataSheet<f64>, outcome: &Outcome) -
         ],
         bands: Vec::new(),
         band_label: "",
+        strips: Vec::new(),
         span_s: (0.0, end - start),
         from_zero: true,
     })

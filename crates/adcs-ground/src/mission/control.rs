@@ -4,10 +4,10 @@ use adcs_app::{LawParameters, ParameterError};
 use adcs_core::control::b_dot::BDotGain;
 use adcs_core::control::bang_bang::BangBangParameters;
 use adcs_core::control::cross_product::{CrossProductError, CrossProductParameters};
-use adcs_core::control::guidance::AimParameters;
 use adcs_core::pipeline::{RateFrom, SteeringParameters};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 
+use super::guidance;
 use super::problem::Fault;
 use super::section::Section;
 use super::typed::{Check, POSITIVE};
@@ -36,8 +36,6 @@ const RATE_NOISE: &str = "rate_noise_deg_s";
 const FIELD_NOISE: &str = "field_noise_nt";
 const STIFFNESS: &str = "stiffness_n_m_per_rad";
 const DAMPING: &str = "damping_n_m_s";
-const TARGET: &str = "target";
-const TARGET_ATTITUDE: &str = "target_attitude_xyzw";
 const INERTIA: &str = "inertia_kg_m2";
 const GYROSCOPIC: &str = "gyroscopic";
 const GRAVITY: &str = "gravity_gradient";
@@ -46,8 +44,8 @@ const FEED_FORWARD: &str = "residual_dipole_sigma_am2";
 /// Half-width of the bang-bang law's dead band when a mission does not say: one wrong sign in 370.
 const DEAD_BAND_SIGMAS: f64 = 3.0;
 
-/// Every key that not every kind understands, and which do.
-const KEYS: [(&str, &[Kind]); 15] = [
+/// Every key that not every kind understands, and which do; those of the guidance are pointing's.
+const KEYS: [(&str, &[Kind]); 13] = [
     (PLAIN_GAIN, &[Kind::Plain]),
     (NORMALISED_GAIN, &[Kind::Normalised]),
     (RATE, DESPIN),
@@ -57,8 +55,6 @@ const KEYS: [(&str, &[Kind]); 15] = [
     (FIELD_NOISE, &[Kind::BangBang]),
     (STIFFNESS, &[Kind::CrossProduct]),
     (DAMPING, &[Kind::CrossProduct]),
-    (TARGET, &[Kind::CrossProduct]),
-    (TARGET_ATTITUDE, &[Kind::CrossProduct]),
     (INERTIA, &[Kind::CrossProduct]),
     (GYROSCOPIC, &[Kind::CrossProduct]),
     (GRAVITY, &[Kind::CrossProduct]),
@@ -74,8 +70,16 @@ pub(super) struct Usual {
     pub field_noise_t: Option<f64>,
 }
 
+/// Section `law`: what flies from start to end; with modes, what points.
 pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, SteeringParameters)> {
-    let section = root.section("law")?;
+    flown(&root.section("law")?, usual)
+}
+
+/// A law and what surrounds it.
+pub(super) fn flown(
+    section: &Section,
+    usual: &Usual,
+) -> Option<(LawParameters, SteeringParameters)> {
     let kinds = [
         ("b-dot", Kind::Plain),
         ("b-dot-normalised", Kind::Normalised),
@@ -86,7 +90,7 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
     let kind = section.choice("kind", &kinds);
     let Some(kind) = kind else {
         // Not known which of them are wanted, so none is called unknown.
-        for (key, _) in KEYS {
+        for key in KEYS.map(|(key, _)| key).into_iter().chain(guidance::NAMES) {
             let _ = section.has(key);
         }
         section.finish();
@@ -94,6 +98,9 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
     };
     for (key, _) in KEYS.iter().filter(|(_, understood)| !understood.contains(&kind)) {
         section.meaningless(key, "kind");
+    }
+    if kind != Kind::CrossProduct {
+        guidance::NAMES.iter().for_each(|key| section.meaningless(key, "kind"));
     }
     let law = match kind {
         Kind::None => Some(LawParameters::Off),
@@ -103,10 +110,10 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
         Kind::Normalised => section
             .number(NORMALISED_GAIN, POSITIVE)
             .map(|k| LawParameters::BDot(BDotGain::Normalised { gain_n_m_s: k as f32 })),
-        Kind::BangBang => bang_bang(&section, usual),
-        Kind::CrossProduct => cross_product(&section, usual),
+        Kind::BangBang => bang_bang(section, usual),
+        Kind::CrossProduct => cross_product(section, usual),
     };
-    let steering = steering(&section, kind);
+    let steering = steering(section, kind);
     section.finish();
     let law = law?;
     if let Err(error) = law.accept() {
@@ -116,8 +123,7 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
             (_, ParameterError::CrossProduct(CrossProductError::Inertia)) => INERTIA,
             (_, ParameterError::CrossProduct(CrossProductError::Damping { .. })) => DAMPING,
             (_, ParameterError::CrossProduct(_)) => STIFFNESS,
-            (_, ParameterError::Aim(_)) => TARGET_ATTITUDE,
-            _ => "kind",
+            (_, error) => guidance::key_of(error).unwrap_or("kind"),
         };
         section.refuse(key, Fault::new(error.to_string()));
         return None;
@@ -149,19 +155,7 @@ fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
     };
     let gyroscopic = flag_or_off(section, GYROSCOPIC);
     let gravity_gradient = flag_or_off(section, GRAVITY);
-    let aim = match section.choice(TARGET, &[("nadir", false), ("inertial", true)]) {
-        Some(true) => section.quaternion(TARGET_ATTITUDE).map(|xyzw| AimParameters::Inertial {
-            attitude_xyzw: xyzw.map(|component| component as f32),
-        }),
-        Some(false) => {
-            section.meaningless(TARGET_ATTITUDE, TARGET);
-            Some(AimParameters::Nadir)
-        }
-        None => {
-            let _ = section.has(TARGET_ATTITUDE);
-            None
-        }
-    };
+    let guidance = guidance::guidance(section);
     let law = CrossProductParameters {
         stiffness_n_m_per_rad: stiffness? as f32,
         damping_n_m_s: damping? as f32,
@@ -169,11 +163,12 @@ fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
         gyroscopic: gyroscopic?,
         gravity_gradient: gravity_gradient?,
     };
-    Some(LawParameters::CrossProduct { law, aim: aim? })
+    Some(LawParameters::CrossProduct { law, guidance: guidance? })
 }
 
 fn steering(section: &Section, kind: Kind) -> Option<SteeringParameters> {
-    let rates = [("gyro", RateFrom::Gyro), ("field", RateFrom::Field)];
+    let rates =
+        [("gyro", RateFrom::Gyro), ("field", RateFrom::Field), ("estimate", RateFrom::Estimate)];
     let (rate, cut_hold) = if DESPIN.contains(&kind) {
         let rate = section.choice_or(RATE, &rates, RateFrom::Gyro);
         (rate, flag_or_off(section, CUT_HOLD))

@@ -90,7 +90,7 @@ impl<T: RealField + Copy> Table<T> {
 
     fn gains(&self, now: Utc) -> Option<Gains<T>> {
         let place = self.place(now);
-        if !(place >= 0.0) {
+        if place.is_nan() || place < 0.0 {
             return None;
         }
         let node = place as usize;

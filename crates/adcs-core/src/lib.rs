@@ -29,6 +29,7 @@ pub mod frames;
 mod nodes;
 pub mod orbit;
 pub mod pipeline;
+pub mod polarity;
 pub mod reading;
 pub mod schedule;
 pub mod sensing;

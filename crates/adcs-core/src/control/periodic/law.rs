@@ -44,6 +44,11 @@ impl<T: RealField + Copy> PeriodicLaw<T> {
         Ok(Self { model, step_s, horizon_s, inertia })
     }
 
+    /// Step of the sweep, s.
+    pub fn step_s(&self) -> T {
+        self.step_s
+    }
+
     /// J, Body, kg·m².
     pub fn inertia_kg_m2(&self) -> &Matrix3<T> {
         &self.inertia

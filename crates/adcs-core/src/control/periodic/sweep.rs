@@ -32,7 +32,7 @@ pub(super) struct Cost<T> {
 /// What the cycle needs of the cost to go at one instant: its slope against the rate, in units of the
 /// weights; d in N·m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gains<T> {
+pub struct Gains<T = f32> {
     /// P₂₁: for each unit of attitude error.
     pub attitude: Matrix3<T>,
     /// P₂₂: for each unit of rate.

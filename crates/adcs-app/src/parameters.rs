@@ -166,6 +166,7 @@ impl LawParameters {
 }
 
 impl FlownParameters {
+    #[inline(never)]
     /// Accepts the law and what surrounds it.
     ///
     /// # Errors

@@ -11,6 +11,7 @@ use adcs_core::control::bang_bang::{BangBang, BangBangError, BangBangParameters}
 use adcs_core::control::cross_product::{CrossProduct, CrossProductError, CrossProductParameters};
 use adcs_core::control::feed_forward::{FeedForward, SigmaError};
 use adcs_core::control::guidance::{AimError, Guidance, GuidanceParameters};
+use adcs_core::control::periodic::{PeriodicError, PeriodicLaw, PeriodicParameters};
 use adcs_core::environment::sun_track::SunTrack;
 use adcs_core::modes::{Flown, ModeError, ModeParameters, ModeTable, Modes};
 use adcs_core::orbit::OrbitModel;
@@ -37,6 +38,15 @@ pub enum LawParameters {
     CrossProduct {
         /// Gains and terms.
         law: CrossProductParameters,
+        /// Where to point.
+        guidance: GuidanceParameters,
+    },
+    /// The same by the periodic optimal law.
+    Periodic {
+        /// Weights, horizon and inertia.
+        law: PeriodicParameters,
+        /// What flies while there is no plan.
+        unplanned: CrossProductParameters,
         /// Where to point.
         guidance: GuidanceParameters,
     },
@@ -103,6 +113,8 @@ pub enum ParameterError {
     BangBang(BangBangError),
     /// The cross-product law's gains or inertia.
     CrossProduct(CrossProductError),
+    /// The periodic optimal law's weights, horizon or inertia.
+    Periodic(PeriodicError),
     /// Where to point, or how to get there.
     Aim(AimError),
     /// The mode machine's table or laws.
@@ -130,6 +142,7 @@ impl fmt::Display for ParameterError {
             Self::Gain(error) => write!(f, "law: {error}"),
             Self::BangBang(error) => write!(f, "law: {error}"),
             Self::CrossProduct(error) => write!(f, "law: {error}"),
+            Self::Periodic(error) => write!(f, "law: {error}"),
             Self::Aim(error) => write!(f, "law: {error}"),
             Self::Modes(error) => write!(f, "modes: {error}"),
             Self::FeedForward(error) => write!(f, "law: {error}"),
@@ -159,6 +172,12 @@ impl LawParameters {
             }
             Self::CrossProduct { law, guidance } => Law::Pointing(Pointing {
                 law: CrossProduct::new(law).map_err(ParameterError::CrossProduct)?,
+                periodic: None,
+                guidance: Guidance::new(guidance).map_err(ParameterError::Aim)?,
+            }),
+            Self::Periodic { law, unplanned, guidance } => Law::Pointing(Pointing {
+                law: CrossProduct::new(unplanned).map_err(ParameterError::CrossProduct)?,
+                periodic: Some(PeriodicLaw::new(law).map_err(ParameterError::Periodic)?),
                 guidance: Guidance::new(guidance).map_err(ParameterError::Aim)?,
             }),
         })

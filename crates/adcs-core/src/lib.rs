@@ -30,6 +30,8 @@ pub mod modes;
 mod nodes;
 pub mod orbit;
 pub mod pipeline;
+mod planning;
+pub mod polarity;
 pub mod reading;
 pub mod schedule;
 pub mod sensing;

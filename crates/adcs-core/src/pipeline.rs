@@ -13,6 +13,7 @@ use crate::frames::{Body, Direction, Eci, GyroAxes, MagnetometerAxes, TorquerAxe
 use crate::modes::{Mode, ModeReport, Modes, ModesState, Sight, sight::Heard};
 use crate::orbit::OrbitState;
 use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
+use crate::planning::{Models, PlanningState};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::sun_faces::FACES;
@@ -56,6 +57,7 @@ pub struct State {
     frozen_magnetometer: Frozen,
     determination: StageState,
     modes: ModesState,
+    planning: PlanningState,
     steering: SteeringState,
 }
 
@@ -156,7 +158,13 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
 
     // Stage III: what to do about it.
     let reference_sun = sunlight.map(|sunlight| sunlight.direction);
+    let models = Models {
+        orbit: configuration.orbit.as_ref().map(InterpolatedOrbit::model),
+        sun: &configuration.sun,
+    };
     let known = Known {
+        reference_field,
+        gains: state.planning.cycle(&configuration.law, &models, inputs.now),
         orbit: orbit.as_ref(),
         sun: reference_sun,
         omega_bi,

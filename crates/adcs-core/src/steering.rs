@@ -12,10 +12,11 @@ use crate::control::b_dot::BDot;
 use crate::control::bang_bang::BangBang;
 use crate::control::cross_product::{self, CrossProduct, Gravity, PointingError};
 use crate::control::feed_forward::{self, FeedForward};
-use crate::control::guidance::{Guidance, Scene, SlewState};
+use crate::control::guidance::{Goal, Guidance, Scene, SlewState};
 use crate::control::hold;
+use crate::control::periodic::{Gains, Motion, PeriodicLaw};
 use crate::environment::earth::MU_M3_S2;
-use crate::frames::{Body, Direction, Eci, Vector};
+use crate::frames::{Body, Direction, Eci, Rotation, Vector};
 use crate::orbit::OrbitState;
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::{Phase, Round};
@@ -51,8 +52,10 @@ impl Law {
 /// Which attitude is held, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Pointing {
-    /// The law with its gains.
+    /// The law with its gains; beside the one that plans, what flies while there is no plan.
     pub law: CrossProduct,
+    /// The law that plans with the field to come; `None` to fly the cross-product law alone.
+    pub periodic: Option<PeriodicLaw>,
     /// Where to point.
     pub guidance: Guidance,
 }
@@ -103,6 +106,8 @@ pub enum ControlStatus {
     Resting,
     /// The torquers carry the command of this round.
     Acting,
+    /// They do, but there is no plan: it is the command of the law that needs none.
+    Unplanned,
     /// The rate was missing when it was needed; off until the next round.
     NoRate(MissingReason),
     /// The field was missing when it was needed; off until the next round.
@@ -125,6 +130,10 @@ pub(crate) struct Known<'a> {
     pub(crate) omega_bi: Reading<Vector<Body>>,
     pub(crate) field_b: Reading<Vector<Body>>,
     pub(crate) determination: Option<&'a Determination>,
+    /// The model's field.
+    pub(crate) reference_field: Option<Vector<Eci>>,
+    /// Of the law that plans.
+    pub(crate) gains: Option<Gains>,
 }
 
 /// What one cycle leaves for the next. `Default` is power-on.
@@ -266,18 +275,25 @@ impl Deciding<'_> {
         Decision { useful, ..Decision::acting(command) }
     }
 
-    fn point(&mut self, Pointing { law, guidance }: &Pointing) -> Decision {
+    fn point(&mut self, pointing: &Pointing) -> Decision {
+        let Pointing { law, periodic, guidance } = pointing;
         let believed = self.known.determination.and_then(|it| it.attitude.zip(it.rate));
         let Some((attitude, rate)) = believed else {
             return Decision::off(ControlStatus::NoAttitude);
         };
-        let field_b = match self.known.field_b {
-            Reading::Missing(reason) => return Decision::off(ControlStatus::NoField(reason)),
-            Reading::Fresh(field_b) => field_b,
-        };
         let Known { orbit, sun, .. } = *self.known;
         let Some(goal) = guidance.aim.goal(&Scene { now: self.now, orbit, sun }) else {
             return Decision::off(ControlStatus::NoTarget);
+        };
+        let error_rad = Some((attitude.r_bi * goal.r_ti.inverse()).angle_rad());
+        if let Some(planned) = periodic.as_ref().and_then(|law| self.planned(law, &goal)) {
+            return Decision { error_rad, ..planned };
+        }
+        let field_b = match self.known.field_b {
+            Reading::Missing(reason) => {
+                return Decision { error_rad, ..Decision::off(ControlStatus::NoField(reason)) };
+            }
+            Reading::Fresh(field_b) => field_b,
         };
         let asked = match &guidance.slew {
             Some(slew) => slew.towards(self.slew, self.now, attitude.r_bi, &goal),
@@ -288,22 +304,54 @@ impl Deciding<'_> {
             feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
         });
         let omega_bi = rate.omega_bi - ripple;
-        let gravity = orbit.and_then(|orbit| {
-            let up = (attitude.r_bi * orbit.position.to_f32()).direction()?.vector();
-            let r = orbit.position.norm();
-            Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
-        });
+        let gravity = orbit.and_then(|orbit| gravity(orbit, attitude.r_bi));
         let error = PointingError::new(attitude.r_bi, omega_bi, &asked);
-        let error_rad = Some((attitude.r_bi * goal.r_ti.inverse()).angle_rad());
         let torque = law.desired_torque(&error, omega_bi, gravity.as_ref());
         match cross_product::dipole(torque, field_b) {
             None => Decision { error_rad, ..Decision::off(ControlStatus::NoDipole) },
             Some(wanted) => {
                 let fed = residual.map(|(_, fed)| fed).unwrap_or(Vector::zero());
                 let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
-                Decision { error_rad, ..Decision::acting(command) }
+                let control = match periodic {
+                    Some(_) => ControlStatus::Unplanned,
+                    None => ControlStatus::Acting,
+                };
+                Decision { error_rad, control, ..Decision::acting(command) }
             }
         }
+    }
+
+    /// The command of the law that plans; `None` without a plan, or without the field's model.
+    fn planned(&self, law: &PeriodicLaw, goal: &Goal) -> Option<Decision> {
+        let Known { orbit, determination, reference_field, gains, .. } = *self.known;
+        let (gains, determination) = (gains?, determination?);
+        let (r_bi, rate) = (determination.attitude?.r_bi, determination.rate?);
+        let (round, inertia) = (&self.steering.round, law.inertia_kg_m2());
+        let r_bt = r_bi * goal.r_ti.inverse();
+        let r_tb = r_bt.inverse();
+        let field = goal.r_ti * reference_field?;
+
+        let residual = self.residual();
+        let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
+            feed_forward::ripple(residual, r_bt * field, inertia, round)
+        });
+        let error = PointingError::new(r_bi, rate.omega_bi - ripple, goal);
+        // What is known to turn the satellite: what stage II found, and on target what its unequal
+        // moments make of gravity and of the target's own turn.
+        let found = determination.dynamic.estimate.as_ref().filter(|it| it.trusted);
+        let found = found.map_or(Vector::zero(), |estimate| r_tb * estimate.torque);
+        let omega = goal.omega_ti.xyz;
+        let gyroscopic = Vector::from_xyz(-omega.cross(&(inertia * omega)));
+        let pulled = orbit.and_then(|orbit| gravity(orbit, goal.r_ti)).map(|it| it.torque(inertia));
+        let torque = found + gyroscopic + pulled.unwrap_or(Vector::zero());
+        let motion = Motion { attitude: error.attitude.relabel(), rate: r_tb * error.rate, torque };
+
+        let cycle_s = round.on_s + round.off_s;
+        let mean = law.dipole(&gains, &motion, field, cycle_s)?;
+        let wanted = r_bt * mean * round.inverse_duty();
+        let fed = residual.map_or(Vector::zero(), |(_, fed)| fed);
+        let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
+        Some(Decision::acting(command))
     }
 
     fn command(
@@ -350,4 +398,11 @@ impl Deciding<'_> {
         let fed = forward.dipole(residual, sigma, &self.steering.round)?;
         estimate.trusted.then_some((residual, fed))
     }
+}
+
+/// Where the Earth is in the axes that `rotation` leads to.
+fn gravity<F>(orbit: &OrbitState, rotation: Rotation<F, Eci>) -> Option<Gravity<F>> {
+    let up = (rotation * orbit.position.to_f32()).direction()?.vector();
+    let r = orbit.position.norm();
+    Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
 }

@@ -102,6 +102,14 @@ fn law(law: LawParameters) -> String {
             law.damping_n_m_s,
             target(&guidance)
         ),
+        LawParameters::Periodic { law, guidance, .. } => format!(
+            "periodic optimal, weights {:.3} deg, {:.4} deg/s, {} A·m², {} s ahead, towards {}",
+            f64::from(law.attitude_weight_rad).to_degrees(),
+            f64::from(law.rate_weight_rad_s).to_degrees(),
+            law.dipole_weight_am2,
+            law.horizon_s,
+            target(&guidance)
+        ),
     }
 }
 

@@ -67,7 +67,9 @@ impl Targets {
 /// Where a law points.
 pub fn aim_of(law: LawParameters) -> Option<AimParameters> {
     match law {
-        LawParameters::CrossProduct { guidance, .. } => Some(guidance.aim),
+        LawParameters::CrossProduct { guidance, .. } | LawParameters::Periodic { guidance, .. } => {
+            Some(guidance.aim)
+        }
         LawParameters::Off | LawParameters::BDot(_) | LawParameters::BangBang(_) => None,
     }
 }

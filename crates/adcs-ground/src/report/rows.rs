@@ -316,6 +316,7 @@ pub(super) fn control_words(control: ControlStatus) -> String {
         ControlStatus::Off => "off".to_owned(),
         ControlStatus::Resting => "resting".to_owned(),
         ControlStatus::Acting => "acting".to_owned(),
+        ControlStatus::Unplanned => "unplanned".to_owned(),
         ControlStatus::NoRate(reason) => format!("no_rate:{}", missing_word(reason)),
         ControlStatus::NoField(reason) => format!("no_field:{}", missing_word(reason)),
         ControlStatus::NoDipole => "no_dipole".to_owned(),

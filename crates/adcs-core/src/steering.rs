@@ -136,12 +136,19 @@ pub(crate) struct Known<'a> {
     pub(crate) gains: Option<Gains>,
 }
 
+/// For how long the residual dipole is fed forward as it was last trusted, s: an orbit. The magnet does
+/// not change because a filter doubts itself, and without feed-forward it turns a satellite that points
+/// over within minutes.
+const KEPT_S: f64 = 6_000.0;
+
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SteeringState {
     held: Decision,
     slope: FieldSlope,
     slew: SlewState,
+    /// The residual dipole as it was last trusted, and when, A·m².
+    residual: Option<(Utc, Vector<Body>)>,
     last: Option<Utc>,
     error_rad: Option<f32>,
 }
@@ -214,8 +221,10 @@ impl SteeringState {
         self.held = match phase {
             Phase::Settling | Phase::Settled => Decision::default(),
             Phase::Measuring => {
+                let residual = self.residual(steering, known, now);
                 let Self { slope, slew, .. } = self;
-                let mut round = Deciding { steering, allocation, known, slope, slew, now };
+                let mut round =
+                    Deciding { steering, allocation, known, residual, slope, slew, now };
                 let decision = round.decide(law).still(now);
                 self.error_rad = decision.error_rad;
                 decision
@@ -226,11 +235,43 @@ impl SteeringState {
     }
 }
 
+impl SteeringState {
+    /// The residual dipole, and what is fed forward against it: while it is to be trusted, and for a
+    /// while as it was then.
+    fn residual(
+        &mut self,
+        steering: &Steering,
+        known: &Known<'_>,
+        now: Utc,
+    ) -> Option<(Vector<Body>, Vector<Body>)> {
+        let forward = steering.feed_forward?;
+        let estimate = known.determination.and_then(|it| it.dynamic.estimate.as_ref());
+        let trusted = estimate.filter(|it| it.trusted).and_then(|it| {
+            let fed = forward.dipole(
+                it.residual_dipole,
+                it.residual_dipole_sigma_am2,
+                &steering.round,
+            )?;
+            Some((it.residual_dipole, fed))
+        });
+        if let Some((residual, _)) = trusted {
+            self.residual = Some((now, residual));
+            return trusted;
+        }
+        let (at, residual) = self.residual?;
+        let is_recent = (0.0..=KEPT_S).contains(&now.seconds_since(at));
+        let fed = forward.dipole(residual, Vector::zero(), &steering.round)?;
+        is_recent.then_some((residual, fed))
+    }
+}
+
 /// One round's decision in the making.
 struct Deciding<'a> {
     steering: &'a Steering,
     allocation: &'a Allocation,
     known: &'a Known<'a>,
+    /// The residual dipole, and what is fed forward against it.
+    residual: Option<(Vector<Body>, Vector<Body>)>,
     slope: &'a FieldSlope,
     slew: &'a mut SlewState,
     now: Utc,
@@ -264,7 +305,7 @@ impl Deciding<'_> {
         let Some(wanted) = law(omega_bi, field_b) else {
             return Decision::off(ControlStatus::NoDipole);
         };
-        let fed = self.residual().map(|(_, fed)| fed);
+        let fed = self.residual.map(|(_, fed)| fed);
         let command = self.command(fed, wanted, Saturation::ClipAxes);
         let useful = self.steering.cut_hold.then(|| {
             // What is fed forward stands against M, which turns along: it never grows stale.
@@ -299,7 +340,7 @@ impl Deciding<'_> {
             Some(slew) => slew.towards(self.slew, self.now, attitude.r_bi, &goal),
             None => goal,
         };
-        let residual = self.residual();
+        let residual = self.residual;
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
         });
@@ -331,7 +372,7 @@ impl Deciding<'_> {
         let r_tb = r_bt.inverse();
         let field = goal.r_ti * reference_field?;
 
-        let residual = self.residual();
+        let residual = self.residual;
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, r_bt * field, inertia, round)
         });
@@ -388,15 +429,6 @@ impl Deciding<'_> {
                 ),
             },
         }
-    }
-
-    /// The residual dipole, and what is fed forward against it, while both are to be trusted.
-    fn residual(&self) -> Option<(Vector<Body>, Vector<Body>)> {
-        let forward = self.steering.feed_forward?;
-        let estimate = self.known.determination?.dynamic.estimate.as_ref()?;
-        let (residual, sigma) = (estimate.residual_dipole, estimate.residual_dipole_sigma_am2);
-        let fed = forward.dipole(residual, sigma, &self.steering.round)?;
-        estimate.trusted.then_some((residual, fed))
     }
 }
 

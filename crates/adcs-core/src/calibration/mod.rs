@@ -35,6 +35,7 @@
 //!
 //! Derivation, pitfalls: docs/calibration.
 
+pub mod axes;
 mod descent;
 mod error;
 mod evidence;

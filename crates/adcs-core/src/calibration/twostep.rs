@@ -17,7 +17,7 @@
 //! Source: Alonso & Shuster (2002), J. Astronaut. Sci. 50(4), 433–451 (TWOSTEP) and 477–490 (complete
 //! calibration).
 
-use nalgebra::{Matrix3, RealField, SMatrix, SVector, Vector3};
+use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, SVector, Vector3};
 
 use super::error::CalibrationError;
 use super::gauss_newton::{Units, supported};
@@ -99,7 +99,7 @@ where
         noise: noise * unit,
         samples: units.samples,
     };
-    let finite = found.covariance.iter().chain(&found.bias).all(|value| value.is_finite());
+    let finite = found.covariance.iter().chain(&found.bias).all(ComplexField::is_finite);
     if finite { Ok(found) } else { Err(CalibrationError::OutOfRange) }
 }
 
@@ -163,7 +163,7 @@ impl<T: RealField + Copy> Shape<T> {
         let root = square_root(&(e + Matrix3::identity()));
         let inverse = root.try_inverse().ok_or(CalibrationError::NoEllipsoid { axis: 0 })?;
         let bias = inverse * c;
-        let finite = bias.iter().all(|value| value.is_finite());
+        let finite = bias.iter().all(ComplexField::is_finite);
         if finite { Ok(Self { root, bias }) } else { Err(CalibrationError::OutOfRange) }
     }
 

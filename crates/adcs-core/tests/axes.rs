@@ -8,8 +8,9 @@ use tumble_support::{FIELD_NOISE_T, GYRO_NOISE, INERTIA, LIMIT_AM2, Random, Sate
 
 /// A m² s / T, the paper's.
 const GAIN: f64 = 1e5;
-/// How far the response may be from 1: what 1.5 % in each of nine entries does to m × B, and noise.
-const RESPONSE: f64 = 0.3;
+/// How far the response may be from 1: what 1.5 % in each of nine entries does to m × B, and noise,
+/// where the residual dipole did nearly the same work.
+const RESPONSE: f64 = 0.5;
 const CYCLE_S: f64 = 0.5;
 /// Torquers 5 s on, 2.5 s off: in cycles.
 const ON: u32 = 10;

@@ -26,6 +26,7 @@ pub mod control;
 mod determination;
 pub mod environment;
 pub mod frames;
+pub mod identification;
 mod nodes;
 pub mod orbit;
 pub mod pipeline;

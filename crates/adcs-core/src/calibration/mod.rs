@@ -56,6 +56,7 @@ pub use extended::{CoupledSample, Extended, NoiseShift, calibrate_extended};
 pub use gauss_newton::{MAX_CONDITION, MIN_SAMPLES, calibrate};
 pub use parameters::Parameters;
 pub use sums::{Recursive, Sums};
+pub(crate) use symmetric::Spectrum;
 pub use twostep::{TwoStep, twostep};
 
 /// The unknowns: scale of x, y, z, then bias of x, y, z.

@@ -13,7 +13,7 @@ const MAX_SWEEPS: usize = 12;
 /// A symmetric matrix taken apart after its rows and columns were scaled to a diagonal of ones:
 /// D⁻¹ N D⁻¹ = Q diag(λ) Qᵀ, D² = diag(N).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spectrum<T: RealField + Copy, const N: usize> {
+pub(crate) struct Spectrum<T: RealField + Copy, const N: usize> {
     /// 1 / D
     inverse_scale: SVector<T, N>,
     values: SVector<T, N>,

@@ -18,7 +18,7 @@ pub struct Measured {
     pub t_s: Option<f64>,
     /// What was read, V and nT.
     pub sample: Sample<f64>,
-    /// What flowed then, in the order of [`CURRENTS`] or [`DIPOLES`]; zeros behind.
+    /// What flowed then, in the order of `Columns::currents`; zeros behind.
     pub currents: [f64; CURRENTS.len()],
     /// Whether the field had come to rest: in a history, whether the torquers had.
     pub settled: bool,

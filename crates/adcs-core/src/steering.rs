@@ -12,10 +12,11 @@ use crate::control::b_dot::BDot;
 use crate::control::bang_bang::BangBang;
 use crate::control::cross_product::{self, CrossProduct, Gravity, PointingError};
 use crate::control::feed_forward::{self, FeedForward};
-use crate::control::guidance::Aim;
+use crate::control::guidance::{Goal, Guidance, Scene, SlewState};
 use crate::control::hold;
+use crate::control::periodic::{Gains, Motion, PeriodicLaw};
 use crate::environment::earth::MU_M3_S2;
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, Direction, Eci, Rotation, Vector};
 use crate::orbit::OrbitState;
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::{Phase, Round};
@@ -38,13 +39,25 @@ pub enum Law {
     Pointing(Pointing),
 }
 
+impl Law {
+    /// Whether it takes and holds an attitude.
+    pub fn points(&self) -> bool {
+        match self {
+            Self::Pointing(_) => true,
+            Self::Off | Self::BDot(_) | Self::BangBang(_) => false,
+        }
+    }
+}
+
 /// Which attitude is held, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Pointing {
-    /// The law with its gains.
+    /// The law with its gains; beside the one that plans, what flies while there is no plan.
     pub law: CrossProduct,
+    /// The law that plans with the field to come; `None` to fly the cross-product law alone.
+    pub periodic: Option<PeriodicLaw>,
     /// Where to point.
-    pub aim: Aim,
+    pub guidance: Guidance,
 }
 
 /// From what the despin laws take the rate.
@@ -55,6 +68,8 @@ pub enum RateFrom {
     Gyro,
     /// The turning of the field during the rest, without gyros.
     Field,
+    /// What stage II believes, and the gyros while it believes nothing.
+    Estimate,
 }
 
 /// What surrounds every law, as stored and uplinked. `Default` is none of it.
@@ -91,6 +106,8 @@ pub enum ControlStatus {
     Resting,
     /// The torquers carry the command of this round.
     Acting,
+    /// They do, but there is no plan: it is the command of the law that needs none.
+    Unplanned,
     /// The rate was missing when it was needed; off until the next round.
     NoRate(MissingReason),
     /// The field was missing when it was needed; off until the next round.
@@ -99,7 +116,7 @@ pub enum ControlStatus {
     NoDipole,
     /// No attitude, or no rate with it, was believed when it was needed; off until the next round.
     NoAttitude,
-    /// The aim needs an orbit, and there was none; off until the next round.
+    /// The aim needs an orbit or the Sun, and there was none; off until the next round.
     NoTarget,
     /// The satellite has turned so far that the command would drive it; off until the next round.
     Spent,
@@ -109,9 +126,14 @@ pub enum ControlStatus {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) orbit: Option<&'a OrbitState>,
+    pub(crate) sun: Option<Direction<Eci>>,
     pub(crate) omega_bi: Reading<Vector<Body>>,
     pub(crate) field_b: Reading<Vector<Body>>,
     pub(crate) determination: Option<&'a Determination>,
+    /// The model's field.
+    pub(crate) reference_field: Option<Vector<Eci>>,
+    /// Of the law that plans.
+    pub(crate) gains: Option<Gains>,
 }
 
 /// What one cycle leaves for the next. `Default` is power-on.
@@ -119,7 +141,9 @@ pub(crate) struct Known<'a> {
 pub(crate) struct SteeringState {
     held: Decision,
     slope: FieldSlope,
+    slew: SlewState,
     last: Option<Utc>,
+    error_rad: Option<f32>,
 }
 
 /// The outcome of stage III, held until the round ends.
@@ -129,22 +153,24 @@ pub(crate) struct Decision {
     pub(crate) command: Command,
     /// When it was decided, and for how long it is of use, s.
     useful: Option<(Utc, f32)>,
+    /// Angle from Body to the target, rad, when it was decided; `None` when no attitude is aimed at.
+    pub(crate) error_rad: Option<f32>,
 }
 
 impl Decision {
     fn off(control: ControlStatus) -> Self {
-        Self { control, command: Command::off(), useful: None }
+        Self { control, command: Command::off(), useful: None, error_rad: None }
     }
 
     fn acting(command: Command) -> Self {
-        Self { control: ControlStatus::Acting, command, useful: None }
+        Self { control: ControlStatus::Acting, command, useful: None, error_rad: None }
     }
 
     /// The command as long as it is of use.
     fn still(self, now: Utc) -> Self {
         match self.useful {
             Some((since, useful_s)) if now.seconds_since(since) as f32 >= useful_s => {
-                Self::off(ControlStatus::Spent)
+                Self { error_rad: self.error_rad, ..Self::off(ControlStatus::Spent) }
             }
             _ => self,
         }
@@ -158,6 +184,18 @@ impl Default for Decision {
 }
 
 impl SteeringState {
+    /// Drops what was decided by a law that flies no longer: torquers off until the next round.
+    pub(crate) fn interrupt(&mut self) {
+        self.held = Decision::default();
+        self.slew = SlewState::default();
+        self.error_rad = None;
+    }
+
+    /// Angle from Body to the target, rad, as it was last decided upon.
+    pub(crate) fn error_rad(&self) -> Option<f32> {
+        self.error_rad
+    }
+
     /// Stage III of one cycle.
     pub(crate) fn cycle(
         &mut self,
@@ -176,8 +214,11 @@ impl SteeringState {
         self.held = match phase {
             Phase::Settling | Phase::Settled => Decision::default(),
             Phase::Measuring => {
-                let round = Deciding { steering, allocation, known, slope: &self.slope, now };
-                round.decide(law).still(now)
+                let Self { slope, slew, .. } = self;
+                let mut round = Deciding { steering, allocation, known, slope, slew, now };
+                let decision = round.decide(law).still(now);
+                self.error_rad = decision.error_rad;
+                decision
             }
             Phase::Acting => self.held.still(now),
         };
@@ -191,13 +232,14 @@ struct Deciding<'a> {
     allocation: &'a Allocation,
     known: &'a Known<'a>,
     slope: &'a FieldSlope,
+    slew: &'a mut SlewState,
     now: Utc,
 }
 
 impl Deciding<'_> {
     /// The law's dipole, brought within what the torquers can do. Whatever is missing switches them off
     /// for the round.
-    fn decide(&self, law: &Law) -> Decision {
+    fn decide(&mut self, law: &Law) -> Decision {
         match law {
             Law::Off => Decision::off(ControlStatus::Off),
             Law::BDot(law) => self.despin(|omega_bi, field_b| law.dipole(omega_bi, field_b)),
@@ -233,38 +275,83 @@ impl Deciding<'_> {
         Decision { useful, ..Decision::acting(command) }
     }
 
-    fn point(&self, Pointing { law, aim }: &Pointing) -> Decision {
+    fn point(&mut self, pointing: &Pointing) -> Decision {
+        let Pointing { law, periodic, guidance } = pointing;
         let believed = self.known.determination.and_then(|it| it.attitude.zip(it.rate));
         let Some((attitude, rate)) = believed else {
             return Decision::off(ControlStatus::NoAttitude);
         };
+        let Known { orbit, sun, .. } = *self.known;
+        let Some(goal) = guidance.aim.goal(&Scene { now: self.now, orbit, sun }) else {
+            return Decision::off(ControlStatus::NoTarget);
+        };
+        let error_rad = Some((attitude.r_bi * goal.r_ti.inverse()).angle_rad());
+        if let Some(planned) = periodic.as_ref().and_then(|law| self.planned(law, &goal)) {
+            return Decision { error_rad, ..planned };
+        }
         let field_b = match self.known.field_b {
-            Reading::Missing(reason) => return Decision::off(ControlStatus::NoField(reason)),
+            Reading::Missing(reason) => {
+                return Decision { error_rad, ..Decision::off(ControlStatus::NoField(reason)) };
+            }
             Reading::Fresh(field_b) => field_b,
         };
-        let Some(goal) = aim.goal(self.known.orbit) else {
-            return Decision::off(ControlStatus::NoTarget);
+        let asked = match &guidance.slew {
+            Some(slew) => slew.towards(self.slew, self.now, attitude.r_bi, &goal),
+            None => goal,
         };
         let residual = self.residual();
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
         });
         let omega_bi = rate.omega_bi - ripple;
-        let gravity = self.known.orbit.and_then(|orbit| {
-            let up = (attitude.r_bi * orbit.position.to_f32()).direction()?.vector();
-            let r = orbit.position.norm();
-            Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
-        });
-        let error = PointingError::new(attitude.r_bi, omega_bi, &goal);
+        let gravity = orbit.and_then(|orbit| gravity(orbit, attitude.r_bi));
+        let error = PointingError::new(attitude.r_bi, omega_bi, &asked);
         let torque = law.desired_torque(&error, omega_bi, gravity.as_ref());
         match cross_product::dipole(torque, field_b) {
-            None => Decision::off(ControlStatus::NoDipole),
+            None => Decision { error_rad, ..Decision::off(ControlStatus::NoDipole) },
             Some(wanted) => {
                 let fed = residual.map(|(_, fed)| fed).unwrap_or(Vector::zero());
                 let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
-                Decision::acting(command)
+                let control = match periodic {
+                    Some(_) => ControlStatus::Unplanned,
+                    None => ControlStatus::Acting,
+                };
+                Decision { error_rad, control, ..Decision::acting(command) }
             }
         }
+    }
+
+    /// The command of the law that plans; `None` without a plan, or without the field's model.
+    fn planned(&self, law: &PeriodicLaw, goal: &Goal) -> Option<Decision> {
+        let Known { orbit, determination, reference_field, gains, .. } = *self.known;
+        let (gains, determination) = (gains?, determination?);
+        let (r_bi, rate) = (determination.attitude?.r_bi, determination.rate?);
+        let (round, inertia) = (&self.steering.round, law.inertia_kg_m2());
+        let r_bt = r_bi * goal.r_ti.inverse();
+        let r_tb = r_bt.inverse();
+        let field = goal.r_ti * reference_field?;
+
+        let residual = self.residual();
+        let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
+            feed_forward::ripple(residual, r_bt * field, inertia, round)
+        });
+        let error = PointingError::new(r_bi, rate.omega_bi - ripple, goal);
+        // What is known to turn the satellite: what stage II found, and on target what its unequal
+        // moments make of gravity and of the target's own turn.
+        let found = determination.dynamic.estimate.as_ref().filter(|it| it.trusted);
+        let found = found.map_or(Vector::zero(), |estimate| r_tb * estimate.torque);
+        let omega = goal.omega_ti.xyz;
+        let gyroscopic = Vector::from_xyz(-omega.cross(&(inertia * omega)));
+        let pulled = orbit.and_then(|orbit| gravity(orbit, goal.r_ti)).map(|it| it.torque(inertia));
+        let torque = found + gyroscopic + pulled.unwrap_or(Vector::zero());
+        let motion = Motion { attitude: error.attitude.relabel(), rate: r_tb * error.rate, torque };
+
+        let cycle_s = round.on_s + round.off_s;
+        let mean = law.dipole(&gains, &motion, field, cycle_s)?;
+        let wanted = r_bt * mean * round.inverse_duty();
+        let fed = residual.map_or(Vector::zero(), |(_, fed)| fed);
+        let command = self.allocation.command_beside(fed, wanted, Saturation::ScaleAll);
+        Some(Decision::acting(command))
     }
 
     fn command(
@@ -283,11 +370,14 @@ impl Deciding<'_> {
     /// dynamics or of the field alone; or always from the field.
     fn rate(&self) -> Reading<Vector<Body>> {
         match self.steering.rate {
-            RateFrom::Gyro => {
+            RateFrom::Gyro | RateFrom::Estimate => {
                 let believed = self.known.determination.and_then(|it| it.rate);
-                match (self.known.omega_bi, believed) {
-                    (Reading::Missing(_), Some(rate)) => Reading::Fresh(rate.omega_bi),
-                    (measured, _) => measured,
+                let measured = self.known.omega_bi;
+                let is_wanted =
+                    self.steering.rate == RateFrom::Estimate || measured.missing().is_some();
+                match believed.filter(|_| is_wanted) {
+                    Some(rate) => Reading::Fresh(rate.omega_bi),
+                    None => measured,
                 }
             }
             RateFrom::Field => match self.slope.rate() {
@@ -308,4 +398,11 @@ impl Deciding<'_> {
         let fed = forward.dipole(residual, sigma, &self.steering.round)?;
         estimate.trusted.then_some((residual, fed))
     }
+}
+
+/// Where the Earth is in the axes that `rotation` leads to.
+fn gravity<F>(orbit: &OrbitState, rotation: Rotation<F, Eci>) -> Option<Gravity<F>> {
+    let up = (rotation * orbit.position.to_f32()).direction()?.vector();
+    let r = orbit.position.norm();
+    Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
 }

@@ -30,6 +30,7 @@ pub fn flight() -> FlightParameters {
         schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
         steering: SteeringParameters::default(),
+        modes: None,
         gyro: UNCALIBRATED,
         magnetometer: UNCALIBRATED,
         sun_sensors: Some(SunFacesParameters::SPROUT),

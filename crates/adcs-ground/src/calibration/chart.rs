@@ -24,6 +24,7 @@ pub fn chart(measured: &[Measured], before: DataSheet<f64>, outcome: &Outcome) -
         ],
         bands: Vec::new(),
         band_label: "",
+        strips: Vec::new(),
         span_s: (0.0, rows.length_s),
         from_zero: true,
     })
@@ -46,6 +47,7 @@ pub fn angle_chart(
         series: vec![rows.series(None, colour::BLUE, Style::Dots, &angle)],
         bands: Vec::new(),
         band_label: "",
+        strips: Vec::new(),
         span_s: (0.0, rows.length_s),
         from_zero: true,
     })

@@ -1,4 +1,4 @@
-//! All flights of a scene, side by side on all cores.
+//! Many flights, side by side on all cores.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -42,12 +42,24 @@ pub fn eclipse_ratio(flights: &[Flight]) -> (f64, [f64; 2]) {
     (ratio(flights), [low, high])
 }
 
-/// Flies the seeds 1 to `flights`; `flown` hears of each as it ends. The order of the result is that of
-/// the seeds, however many cores there are.
+/// Flies the seeds 1 to `flights` of a scene; `flown` hears of each as it ends.
 ///
 /// # Errors
 /// That of the first flight that could not be flown to its end.
 pub fn fly(scene: &Scene, flights: u64, flown: impl Fn() + Sync) -> Result<Vec<Flight>> {
+    fly_all(flights, |seed| run::fly(scene, seed), flown)
+}
+
+/// Flies the seeds 1 to `flights` with `fly`; `flown` hears of each as it ends. The order of the result is
+/// that of the seeds, however many cores there are.
+///
+/// # Errors
+/// That of the first flight that could not be flown to its end.
+pub fn fly_all<T: Send>(
+    flights: u64,
+    fly: impl Fn(u64) -> Result<T> + Sync,
+    flown: impl Fn() + Sync,
+) -> Result<Vec<T>> {
     let next = AtomicU64::new(1);
     let results = Mutex::new(Vec::new());
     let cores = thread::available_parallelism().map_or(1, usize::from);
@@ -59,7 +71,7 @@ pub fn fly(scene: &Scene, flights: u64, flown: impl Fn() + Sync) -> Result<Vec<F
                     if seed > flights {
                         break;
                     }
-                    let flight = run::fly(scene, seed);
+                    let flight = fly(seed);
                     if let Ok(mut results) = results.lock() {
                         results.push((seed, flight));
                     }

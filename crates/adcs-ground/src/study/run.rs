@@ -15,7 +15,8 @@ use nalgebra::{Matrix3, Quaternion, RealField, Unit, Vector3, convert};
 
 use super::figures::Figures;
 use super::scene::Scene;
-use super::truth::{self, INERTIA_KG_M2, Moment, ORBIT_S, STEP_S, STEPS_A_SECOND, Truth};
+use super::sprout::{self, INERTIA_KG_M2, InertiaError, ORBIT_S};
+use super::truth::{Moment, STEP_S, STEPS_A_SECOND, Truth};
 
 /// Statistics begin here, s.
 const TRANSIENT_S: f64 = 600.0;
@@ -56,7 +57,7 @@ impl Flight {
 /// When the orbit or the field model ends, which those of the scenes do not.
 pub fn fly(scene: &Scene, seed: u64) -> Result<Flight> {
     let mut truth = Truth::new(*scene, seed)?;
-    let given = given_inertia(scene.inertia_error, seed);
+    let given = InertiaError::Signs(scene.inertia_error).drawn(&mut Gaussian::new(seed, MISTAKES));
     let mut filters = Filters::<f32>::new(&parameters(&given))?;
     let told_the_truth = knowing(scene, &given);
     let mut bounds = Filters::<f64>::new(&told_the_truth)?;
@@ -149,14 +150,14 @@ fn error(moment: &Moment, r_bi: Rotation<Body, Eci, f32>) -> Vector3<f64> {
 /// What the filters are told: the sensors' noise, and an inertia tensor.
 fn parameters<T: RealField + Copy>(inertia: &Matrix3<f64>) -> DynamicParameters<T> {
     let sensors = MekfParameters {
-        gyro_noise_rad_s: convert(truth::GYRO_NOISE_RAD_S),
-        bias_walk_rad_s_per_sqrt_s: convert(truth::BIAS_WALK_RAD_S_PER_SQRT_S),
+        gyro_noise_rad_s: convert(sprout::GYRO_NOISE_RAD_S),
+        bias_walk_rad_s_per_sqrt_s: convert(sprout::BIAS_WALK_RAD_S_PER_SQRT_S),
         field_noise: FieldNoise {
-            sensor_t: convert(truth::FIELD_NOISE_T),
+            sensor_t: convert(sprout::FIELD_NOISE_T),
             calibration_t: T::zero(),
             model_t: T::zero(),
         },
-        sun_noise_rad: convert(truth::SUN_NOISE_RAD),
+        sun_noise_rad: convert(sprout::SUN_NOISE_RAD),
         ..MekfParameters::default()
     };
     let row = |r: usize| [0, 1, 2].map(|c| convert(inertia[(r, c)]));
@@ -173,20 +174,6 @@ fn knowing(scene: &Scene, inertia: &Matrix3<f64>) -> DynamicParameters<f64> {
     known.dipole_walk_am2_per_sqrt_s = 0.0;
     known.dipole_step_am2 = scene.dipole_jump_am2;
     known
-}
-
-/// The true tensor with errors of this relative size, signs at random.
-fn given_inertia(share: f64, seed: u64) -> Matrix3<f64> {
-    let truth = Matrix3::from_fn(|r, c| INERTIA_KG_M2[r][c]);
-    let mut noise = Gaussian::new(seed, MISTAKES);
-    let mean = truth.trace() / 3.0;
-    let mut given = truth;
-    for (r, c) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-        let size = if r == c { truth[(r, c)] } else { mean };
-        given[(r, c)] += share * size * noise.sample().signum();
-        given[(c, r)] = given[(r, c)];
-    }
-    given
 }
 
 /// What both filters made of a step; the MEKF runs when the sensors speak.

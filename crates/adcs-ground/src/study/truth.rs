@@ -9,32 +9,21 @@
 //! | torques | residual dipole, torquers, gravity gradient, and one that nobody models (Gauss–Markov) | |
 
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
-use adcs_core::orbit::OrbitState;
-use adcs_core::orbit::frame::OrbitFrame;
 use adcs_core::time::Utc;
 use adcs_sim::noise::Gaussian;
-use adcs_sim::rigid_body::{Inertia, Motion as RigidMotion, Stage};
+use adcs_sim::rigid_body::{Inertia, Motion as RigidMotion};
 use adcs_sim::surroundings::{Nature, Surroundings};
-use adcs_sim::torques::{gravity_gradient, magnetic};
-use anyhow::{Context as _, Result, bail};
+use anyhow::Result;
 use nalgebra::{UnitQuaternion, Vector3};
-use sgp4_lite::Elements;
 
+use super::random::{GaussMarkov, gaussian, signs, uniform};
+use super::satellite::{Satellite, along_orbit, orbit_rate, sunlit_start};
 use super::scene::{Motion, PointingGains, Scene};
-use crate::span::utc_of_epoch;
+use super::sprout::{
+    self, B_DOT_GAIN, BIAS_WALK_RAD_S_PER_SQRT_S, DEG, FIELD_NOISE_T, GYRO_NOISE_RAD_S,
+    INERTIA_KG_M2, LIT, MAX_DIPOLE_AM2, RESIDUAL_DIPOLE_AM2, SUN_NOISE_RAD,
+};
 
-/// SPROUT on 2015-11-19 (CelesTrak).
-const TLE: [&str; 2] = [
-    "1 39770U 14029E   15323.12177538  .00004189  00000-0  50368-3 0  9997",
-    "2 39770  97.8736  57.8959 0010514  58.6984 301.5230 14.84437654 80617",
-];
-/// Its period, s.
-pub const ORBIT_S: f64 = 86_400.0 / 14.844_376_54;
-/// Preset A2 (docs/paper), kg·m².
-pub const INERTIA_KG_M2: [[f64; 3]; 3] =
-    [[0.05184, 0.00058, -0.00077], [0.00058, 0.05416, 0.00069], [-0.00077, 0.00069, 0.05978]];
-/// The paper, section 5.1, A·m².
-const RESIDUAL_DIPOLE_AM2: [f64; 3] = [-0.3211, -0.2094, -0.0201];
 /// Step of the integration and grain of the schedule, s.
 pub const STEP_S: f64 = 0.5;
 /// The sensors speak once a second.
@@ -42,23 +31,8 @@ pub const STEPS_A_SECOND: u32 = 2;
 /// Steps in which the torquers are off and on.
 const OFF_STEPS: u32 = 5;
 const ON_STEPS: u32 = 20;
-/// The Sun counts as shining from this fraction of its disc on.
-const LIT: f64 = 0.5;
-const MAX_DIPOLE_AM2: f64 = 0.6;
-/// The paper's gain, A·m²·s/T.
-const B_DOT_GAIN: f64 = 1e5;
-
-/// Noise of one gyro sample, each axis, rad/s.
-pub const GYRO_NOISE_RAD_S: f64 = 0.163 * DEG;
-/// Walk of the gyro bias, each axis, rad/s per √s.
-pub const BIAS_WALK_RAD_S_PER_SQRT_S: f64 = 1e-4 * DEG;
-/// Noise of the magnetometer, each axis, T.
-pub const FIELD_NOISE_T: f64 = 500e-9;
-/// Noise of the Sun's direction across the line of sight, rad.
-pub const SUN_NOISE_RAD: f64 = 0.664 * DEG;
 /// The gyro bias at the start is within this, each axis, rad/s.
 const BIAS_RAD_S: f64 = 0.4 * DEG;
-const DEG: f64 = core::f64::consts::PI / 180.0;
 
 /// The truth and the measurements at one step.
 #[derive(Debug, Clone)]
@@ -97,14 +71,11 @@ pub struct Moment {
 #[derive(Debug, Clone)]
 pub struct Truth {
     scene: Scene,
-    nature: Nature,
-    around: Surroundings,
+    satellite: Satellite,
     start: Utc,
     steps: u32,
-    inertia: Inertia,
-    motion: RigidMotion,
     bias: Vector3<f64>,
-    torque: Vector3<f64>,
+    torque: GaussMarkov,
     jump: Vector3<f64>,
     torquers: Vector3<f64>,
     held: Vector3<f64>,
@@ -118,41 +89,33 @@ impl Truth {
     /// # Errors
     /// When the orbit or the field model ends.
     pub fn new(scene: Scene, seed: u64) -> Result<Self> {
-        let elements = Elements::from_tle(TLE[0], TLE[1])?;
+        let elements = sprout::elements()?;
         let mut noise = Gaussian::new(seed, 101);
         let start = sunlit_start(&elements, &mut noise)?;
         let mut nature = Nature::new(&elements, start)?;
         let around = nature.at(start)?;
         let bias = Vector3::from_fn(|_, _| noise.symmetric()) * BIAS_RAD_S;
-        let (r_bi, omega) = match scene.motion {
+        let motion = match scene.motion {
             Motion::Tumble => {
                 let axis = gaussian(&mut noise).normalize();
                 let rate = (5.0 + 4.5 * uniform(&mut noise)) * DEG;
                 let attitude = UnitQuaternion::from_scaled_axis(gaussian(&mut noise) * 2.0);
-                (Rotation::from_hamilton(attitude), axis * rate)
+                RigidMotion::new(Rotation::from_hamilton(attitude), Vector::from_xyz(axis * rate))
             }
-            Motion::Nadir(_) => {
-                let frame = orbit_frame(&around).context("the orbit has no plane")?;
-                // Body along Orbit to some degrees, turning with it.
-                let off = UnitQuaternion::from_scaled_axis(gaussian(&mut noise) * 5.0 * DEG);
-                let r_bi = Rotation::from_hamilton(off * frame.r_oi.hamilton());
-                (r_bi, orbit_rate(&frame, r_bi))
-            }
+            Motion::Nadir(_) => along_orbit(&around, 5.0 * DEG, &mut noise)?,
         };
-        let signs = gaussian(&mut noise).map(f64::signum);
-        let sigma = scene.torque_n_m;
+        let jump = signs(&mut noise) * scene.dipole_jump_am2;
         let mut disturbance = Gaussian::new(seed, 102);
+        let torque = GaussMarkov::new(scene.torque_n_m, scene.correlation_s, &mut disturbance);
+        let inertia = Inertia::new(INERTIA_KG_M2)?;
         Ok(Self {
             scene,
-            nature,
-            around,
+            satellite: Satellite { nature, around, field_error: Vector::zero(), inertia, motion },
             start,
             steps: 0,
-            inertia: Inertia::new(INERTIA_KG_M2)?,
-            motion: RigidMotion::new(r_bi, Vector::from_xyz(omega)),
             bias,
-            torque: gaussian(&mut disturbance) * sigma,
-            jump: signs * scene.dipole_jump_am2,
+            torque,
+            jump,
             torquers: Vector3::zeros(),
             held: Vector3::zeros(),
             noise,
@@ -167,12 +130,12 @@ impl Truth {
     pub fn step(&mut self) -> Result<Moment> {
         let t_s = f64::from(self.steps) * STEP_S;
         let now = self.at(t_s);
-        let Surroundings { position, field_t: field_i, .. } = self.around;
-        let sunlight = self.nature.sunlight(now, position)?;
+        let Surroundings { position, field_t: field_i, .. } = self.satellite.around;
+        let sunlight = self.satellite.nature.sunlight(now, position)?;
         let lit = sunlight.lit > LIT;
         let sun_i = sunlight.to_sun.xyz.normalize();
-        let r_bi = self.motion.r_bi();
-        let omega = self.motion.omega_bi.xyz;
+        let r_bi = self.satellite.motion.r_bi();
+        let omega = self.satellite.motion.omega_bi.xyz;
         let field_b = (r_bi * field_i).xyz;
         let dipole =
             Vector3::from(RESIDUAL_DIPOLE_AM2) + if lit { Vector3::zeros() } else { self.jump };
@@ -192,7 +155,7 @@ impl Truth {
             omega,
             bias: self.bias,
             dipole,
-            torque: self.torque,
+            torque: self.torque.value,
             lit,
             position: position.xyz,
             field_i: field_i.xyz,
@@ -225,7 +188,7 @@ impl Truth {
         field_b: Vector3<f64>,
         dipole: Vector3<f64>,
     ) -> Vector3<f64> {
-        let Some(frame) = orbit_frame(&self.around) else { return Vector3::zeros() };
+        let Some(frame) = self.satellite.orbit_frame() else { return Vector3::zeros() };
         let error = (r_bi * frame.r_oi.inverse()).hamilton();
         // q_bo = (1, −θ/2): θ is how far Body is turned from Orbit.
         let theta = error.imag() * (-2.0 * error.w.signum());
@@ -236,67 +199,17 @@ impl Truth {
     }
 
     fn fly(&mut self, t_s: f64, dipole: Vector3<f64>) -> Result<()> {
-        let start = self.around;
-        let middle = self.nature.at(self.at(t_s + 0.5 * STEP_S))?;
-        let end = self.nature.at(self.at(t_s + STEP_S))?;
-        let total = Vector::<Body, f64>::from_xyz(dipole + self.torquers);
-        let unmodelled = Vector::from_xyz(self.torque);
-        let inertia = self.inertia;
-        self.motion = self.motion.stepped(&inertia, STEP_S, |stage, motion| {
-            let around = match stage {
-                Stage::Start => &start,
-                Stage::Middle => &middle,
-                Stage::End => &end,
-            };
-            let r_bi = motion.r_bi();
-            magnetic::torque(total, r_bi * around.field_t)
-                + gravity_gradient::torque(&inertia, r_bi * around.position)
-                + unmodelled
-        });
-        self.around = end;
+        let end = self.at(t_s + STEP_S);
+        self.satellite.fly(end, STEP_S, dipole + self.torquers, self.torque.value)?;
         let walk = BIAS_WALK_RAD_S_PER_SQRT_S * STEP_S.sqrt();
         self.bias += gaussian(&mut self.disturbance) * walk;
-        let decay = (-STEP_S / self.scene.correlation_s).exp();
-        let push = self.scene.torque_n_m * (1.0 - decay * decay).sqrt();
-        self.torque = self.torque * decay + gaussian(&mut self.disturbance) * push;
+        self.torque.step(STEP_S, &mut self.disturbance);
         Ok(())
     }
 
     fn at(&self, t_s: f64) -> Utc {
         self.start.plus_micros((t_s * 1e6).round() as i64)
     }
-}
-
-/// The rate of the Orbit frame, Body, rad/s.
-fn orbit_rate(frame: &OrbitFrame, r_bi: Rotation<Body, Eci, f64>) -> Vector3<f64> {
-    (r_bi * (frame.r_oi.inverse() * frame.omega_oi)).xyz
-}
-
-fn orbit_frame(around: &Surroundings) -> Option<OrbitFrame> {
-    let Surroundings { position, velocity, .. } = *around;
-    OrbitFrame::of(&OrbitState { position, velocity })
-}
-
-fn sunlit_start(elements: &Elements, noise: &mut Gaussian) -> Result<Utc> {
-    let epoch = utc_of_epoch(elements.epoch);
-    let mut nature = Nature::new(elements, epoch)?;
-    for _ in 0..1000 {
-        let start = epoch.plus_micros((uniform(noise) * 2.0 * 86_400e6) as i64);
-        let position = nature.at(start)?.position;
-        if nature.sunlight(start, position)?.lit > LIT {
-            return Ok(start);
-        }
-    }
-    bail!("the orbit has no sunlight")
-}
-
-fn gaussian(noise: &mut Gaussian) -> Vector3<f64> {
-    Vector3::from_fn(|_, _| noise.sample())
-}
-
-/// Uniform within 0 to 1.
-fn uniform(noise: &mut Gaussian) -> f64 {
-    0.5 * (1.0 + noise.symmetric())
 }
 
 /// A direction with the Sun sensor's noise across it.

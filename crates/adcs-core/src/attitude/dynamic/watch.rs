@@ -166,7 +166,7 @@ mod tests {
     /// What the watch says after `cycles` of one second.
     fn after(cycles: u32, seen: &Seen<f64>, kinematic: &mekf::Output<f64>) -> Watch<f64> {
         let mut watch = Watch::new();
-        let tracked = tracked(Blocks { inertia: true, torque: true });
+        let tracked = tracked(Blocks::ALL);
         for _ in 0..cycles {
             watch.see(&Gates::default(), seen, kinematic, &tracked, 1.0);
         }
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn one_that_is_accepted_in_between_starts_the_count_again() {
-        let (mut watch, tracked) = (Watch::new(), tracked(Blocks { inertia: true, torque: true }));
+        let (mut watch, tracked) = (Watch::new(), tracked(Blocks::ALL));
         for cycle in 0..40 {
             let sun = if cycle % 5 == 4 { GOOD } else { REFUSED };
             let seen = Seen { sun, field: None, ..ALL_GOOD };
@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn a_difference_is_measured_in_both_covariances() {
         // χ² = θ² / (0.02² + 0.02²), whichever sign the quaternion has.
-        let tracked = tracked(Blocks { inertia: true, torque: true });
+        let tracked = tracked(Blocks::ALL);
         for turn in [0.03, -0.03] {
             let estimate = kinematic(turn).estimate.unwrap();
             let found = difference(&tracked, &estimate);

@@ -1,0 +1,146 @@
+//! The 48 ways in which three wires can be exchanged and turned round.
+
+use core::fmt;
+
+use nalgebra::{Matrix3, Vector3};
+
+/// One of the 48 signed permutations of three axes: row `i` shows ± the axis `axes[i]`.
+///
+/// P v = (± v_a, ± v_b, ± v_c). Half of them are rotations (det P = 1), half mirror (det P = −1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SignedPermutation {
+    index: u8,
+}
+
+/// The axes that each order shows, and the determinant of the order.
+const ORDERS: [([usize; 3], i8); 6] = [
+    ([0, 1, 2], 1),
+    ([1, 2, 0], 1),
+    ([2, 0, 1], 1),
+    ([0, 2, 1], -1),
+    ([2, 1, 0], -1),
+    ([1, 0, 2], -1),
+];
+
+impl SignedPermutation {
+    /// How many there are.
+    pub const COUNT: u8 = 48;
+    /// Everything as it should be.
+    pub const IDENTITY: Self = Self { index: 0 };
+    /// Every axis turned round.
+    pub const REVERSED: Self = Self { index: 7 };
+
+    /// Number `index`, 0 to 47, the identity being 0; `None` beyond.
+    pub fn new(index: u8) -> Option<Self> {
+        (index < Self::COUNT).then_some(Self { index })
+    }
+
+    /// All of them in the order of their numbers.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..Self::COUNT).map(|index| Self { index })
+    }
+
+    /// Its number, 0 to 47.
+    pub fn index(self) -> u8 {
+        self.index
+    }
+
+    /// Which axis each row shows, and det of the order alone.
+    fn order(self) -> ([usize; 3], i8) {
+        // The index is below 48, so the default is never taken.
+        ORDERS.get(usize::from(self.index / 8)).copied().unwrap_or(([0, 1, 2], 1))
+    }
+
+    /// The sign of each row.
+    fn signs(self) -> [f32; 3] {
+        [1, 2, 4].map(|bit| if self.index & bit == 0 { 1.0 } else { -1.0 })
+    }
+
+    /// P v.
+    pub fn apply(self, v: Vector3<f32>) -> Vector3<f32> {
+        self.matrix() * v
+    }
+
+    /// P as a matrix.
+    pub fn matrix(self) -> Matrix3<f32> {
+        let (axes, _) = self.order();
+        let signs = self.signs();
+        Matrix3::from_fn(|row, column| match (axes.get(row), signs.get(row)) {
+            (Some(axis), Some(sign)) if *axis == column => *sign,
+            _ => 0.0,
+        })
+    }
+
+    /// P⁻¹ = Pᵀ.
+    pub fn inverse(self) -> Self {
+        Self::of(&self.matrix().transpose())
+    }
+
+    /// −P.
+    pub fn negated(self) -> Self {
+        Self { index: self.index ^ 7 }
+    }
+
+    /// Whether it is a rotation, det P = 1.
+    pub fn is_rotation(self) -> bool {
+        let (_, order) = self.order();
+        (order == 1) == (self.index & 7).count_ones().is_multiple_of(2)
+    }
+
+    /// The rotation of P and −P: det(P) P.
+    pub fn rotation(self) -> Self {
+        if self.is_rotation() { self } else { self.negated() }
+    }
+
+    /// The signed permutation with this matrix; the identity when there is none.
+    fn of(matrix: &Matrix3<f32>) -> Self {
+        Self::all().find(|it| it.matrix() == *matrix).unwrap_or(Self::IDENTITY)
+    }
+}
+
+impl fmt::Display for SignedPermutation {
+    /// What the axes show: `(+y, -x, +z)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (axes, _) = self.order();
+        write!(f, "(")?;
+        for (row, (axis, sign)) in axes.into_iter().zip(self.signs()).enumerate() {
+            let comma = if row == 0 { "" } else { ", " };
+            let sign = if sign < 0.0 { '-' } else { '+' };
+            let name = ["x", "y", "z"].get(axis).copied().unwrap_or("?");
+            write!(f, "{comma}{sign}{name}")?;
+        }
+        write!(f, ")")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString as _;
+
+    #[test]
+    fn there_are_48_orthogonal_ones_and_no_two_are_alike() {
+        for a in SignedPermutation::all() {
+            let matrix = a.matrix();
+            assert_eq!(matrix * matrix.transpose(), Matrix3::identity());
+            assert_eq!(matrix.determinant() > 0.0, a.is_rotation());
+            assert_eq!(a.inverse().matrix() * matrix, Matrix3::identity());
+            assert_eq!(a.negated().matrix(), -matrix);
+            assert!(a.rotation().is_rotation());
+            assert_eq!(SignedPermutation::all().filter(|b| b.matrix() == matrix).count(), 1);
+        }
+        assert_eq!(SignedPermutation::all().filter(|it| it.is_rotation()).count(), 24);
+        assert_eq!(SignedPermutation::new(48), None);
+    }
+
+    #[test]
+    fn its_name_says_what_the_axes_show() {
+        let named = |name: &str| SignedPermutation::all().find(|it| it.to_string() == name);
+        assert_eq!(named("(+x, +y, +z)"), Some(SignedPermutation::IDENTITY));
+        assert_eq!(named("(-x, -y, -z)"), Some(SignedPermutation::REVERSED));
+        let turned = named("(+y, -x, +z)").unwrap();
+        assert_eq!(turned.apply(Vector3::new(1.0, 2.0, 3.0)), Vector3::new(2.0, -1.0, 3.0));
+    }
+}

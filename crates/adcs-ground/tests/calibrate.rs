@@ -358,3 +358,36 @@ fn the_shift_by_noise_is_taken_out_on_request() {
     }
     assert!(removed["cost_nt4"].as_f64() > kept["cost_nt4"].as_f64());
 }
+
+#[test]
+fn an_axis_the_other_way_round_is_found_and_put_right_and_the_despin_works() {
+    // The paper's failure as it may have been: no decay, and a calibration by the norm cannot see why.
+    let sections = |name: &str| {
+        let path = format!("{}/../../missions/sprout/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let text = fs::read_to_string(path).unwrap();
+        format!("[magnetometer.errors]{}", text.split_once("[magnetometer.errors]").unwrap().1)
+    };
+    let folder = folder("calibrate-signs");
+    let wrong = sections("despin-uncalibrated-signs");
+    let before = fly(&folder, "before", &wrong);
+    let (rate_before, ..) = flown(&before);
+    assert!(rate_before > 0.9 * 9.11, "{rate_before}");
+    let after = |name: &str, options: &[&str]| {
+        let toml = folder.join(format!("{name}.toml-section"));
+        let input = [before.to_str().unwrap(), "--toml", toml.to_str().unwrap()];
+        let output = calibrate(&[&input[..], options].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", errors_of(&output));
+        assert_eq!(json(&output)["axes"]["axes"], "-x +y +z");
+        let calibrated = fs::read_to_string(toml).unwrap();
+        flown(&fly(&folder, name, &format!("{wrong}\n{calibrated}"))).0
+    };
+    let (by_norm, by_signs) = (after("by-norm", &[]), after("by-signs", &["--apply-signs"]));
+    println!(
+        "deg/s at the end: {rate_before} before, {by_norm} by the norm, {by_signs} with signs"
+    );
+    assert!(by_norm > 1.5 * by_signs && by_signs < 0.5 * 9.11, "{by_norm} {by_signs}");
+
+    let output = calibrate(&["-", "--apply-signs"], &table("b_tumbling_500nT"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(errors_of(&output).contains("needs the columns t_s and gyro_x_deg_s"));
+}

@@ -86,6 +86,11 @@ impl SignedPermutation {
         turned
     }
 
+    /// Which axes are the other way round, where each is at its own place; `None` when some are exchanged.
+    pub fn reversed_in_place(&self) -> Option<[bool; 3]> {
+        (self.axis == Self::IDENTITY.axis).then_some(self.reversed)
+    }
+
     /// −P.
     #[must_use]
     pub fn opposite(&self) -> Self {
@@ -395,6 +400,10 @@ mod tests {
             assert!(!pairs.contains(&pair.opposite()), "{pair}");
         }
         assert_eq!(pairs[0], SignedPermutation::IDENTITY);
+        let in_place: std::vec::Vec<_> =
+            SignedPermutation::all().filter_map(|it| it.reversed_in_place()).collect();
+        assert_eq!(in_place.len(), 8);
+        assert!(in_place.contains(&[true, false, true]));
     }
 
     #[test]

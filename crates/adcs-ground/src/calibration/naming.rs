@@ -17,6 +17,8 @@ pub struct Naming {
     pub open: Option<String>,
     /// Whether that is how they are wired.
     pub as_wired: Option<bool>,
+    /// Which are the other way round, where none are exchanged.
+    pub reversed: Option<[bool; 3]>,
     /// How much worse the next naming is, by the gyros.
     pub gyro_ratio: Option<f64>,
     /// Change of energy over the torquers' work: about 1.
@@ -50,6 +52,7 @@ pub(super) fn name(
             axes: Some(axes.permutation.to_string()),
             open: None,
             as_wired: Some(axes.permutation == SignedPermutation::IDENTITY),
+            reversed: axes.permutation.reversed_in_place(),
             gyro_ratio: Some(axes.gyro_ratio),
             torquer_response: Some(axes.response),
         },
@@ -57,6 +60,7 @@ pub(super) fn name(
             axes: None,
             open: Some(error.to_string()),
             as_wired: None,
+            reversed: None,
             gyro_ratio: check.by_gyros().ok().map(|(_, ratio)| ratio),
             torquer_response: None,
         },

@@ -193,6 +193,21 @@ impl Outcome {
 }
 
 impl Correction {
+    /// The same with these axes the other way round.
+    #[must_use]
+    pub fn reversed(&self, reversed: [bool; 3]) -> Self {
+        let sign = reversed.map(|reversed| if reversed { -1.0 } else { 1.0 });
+        let [x, y, z] = sign;
+        let product = |values: [f64; 3], signs: [f64; 3]| {
+            [values[0] * signs[0], values[1] * signs[1], values[2] * signs[2]]
+        };
+        Self {
+            scale: product(self.scale, sign),
+            cross_axis: product(self.cross_axis, [x * y, x * z, y * z]),
+            bias_nt: product(self.bias_nt, sign),
+        }
+    }
+
     /// The section as a mission file has it, and as it is uplinked: in single precision.
     pub fn toml(&self) -> String {
         let list = |values: [f64; 3]| {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_core::calibration::{DataSheet, Start};
-use adcs_ground::calibration::{self, Columns, Measured, Model, Outcome, Request};
+use adcs_ground::calibration::{self, Columns, Measured, Model, Naming, Outcome, Request};
 use adcs_ground::identification::Tensor;
 use adcs_ground::report::chart::Chart;
 use adcs_ground::table::{self, Output, Tally};
@@ -95,6 +95,11 @@ pub struct Args {
     /// turns voltages into field [default: that of --start-scale]
     #[arg(long, value_name = "NT_PER_V", value_parser = sensitivity)]
     sensitivity: Option<f64>,
+
+    /// Turn round, in the section for the mission file, the axes that gyros and torquers
+    /// find the other way round
+    #[arg(long)]
+    apply_signs: bool,
 
     /// Compute in single precision (f32), as on a microcontroller
     #[arg(long)]
@@ -203,7 +208,10 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         currents: currents.context("no header")?,
         inertia_kg_m2: args.inertia.rows(),
     };
-    let outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
+    let mut outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
+    if args.apply_signs {
+        outcome.correction = outcome.correction.reversed(signs(&outcome)?);
+    }
 
     let mut plots = Vec::new();
     type Draw = fn(&[Measured], DataSheet<f64>, &Outcome) -> Option<Chart>;
@@ -229,6 +237,20 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         print(format_args!("{outcome}"));
     }
     Ok(tally)
+}
+
+/// Which axes are the other way round.
+fn signs(outcome: &Outcome) -> anyhow::Result<[bool; 3]> {
+    match &outcome.axes {
+        None => bail!("--apply-signs needs the columns t_s and gyro_x_deg_s, _y_, _z_"),
+        Some(Naming { open: Some(open), .. }) => bail!("--apply-signs: {open}"),
+        Some(Naming { reversed: Some(reversed), .. }) => Ok(*reversed),
+        Some(Naming { axes, .. }) => bail!(
+            "--apply-signs: axes are exchanged, Body's x, y, z being the sensor's {}; correct \
+             magnetometer.channels first",
+            axes.as_deref().unwrap_or_default()
+        ),
+    }
 }
 
 fn name(input: &Path) -> String {

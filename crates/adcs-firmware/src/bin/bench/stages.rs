@@ -10,7 +10,11 @@ use adcs_core::{
         mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
         selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
-    calibration::{DataSheet, Sample, Start, calibrate},
+    calibration::{
+        CoupledSample, DataSheet, Extended, NoiseShift, Sample, Start, Sums,
+        axes::{AxesCheck, AxesStep},
+        calibrate, calibrate_extended,
+    },
     control::b_dot::{BDot, BDotGain},
     environment::{
         field::FieldModel,
@@ -209,7 +213,12 @@ fn dynamic(counter: &Counter) {
     });
 }
 
-/// A calibration of the magnetometer from 100 readings, from the data sheet to the covariance.
+/// Scale of x, y, z and bias of x, y, z from the readings below, in bits, as the host computes them
+/// (`the_emulated_core_finds_these_bits` of adcs-core's tests).
+const CALIBRATED_BITS: [u32; 6] =
+    [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
+
+/// Calibrations of the magnetometer from 100 readings, from the data sheet to the covariance.
 fn calibration(counter: &Counter) {
     let samples: [Sample<f32>; 100] = core::array::from_fn(|k| {
         // From all sides, 6 to 50 µT.
@@ -221,11 +230,44 @@ fn calibration(counter: &Counter) {
             intensity: field.norm(),
         }
     });
-    let start = Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 });
+    let data_sheet = DataSheet { sensitivity: 1.0, zero: 0.0 };
+    let start = Start::DataSheet(data_sheet);
     let stage = Stage { counter };
     stage.count("calibrate_100", &samples, |samples| {
         calibrate(samples.iter().copied(), &start).expect("from all sides")
     });
+    let paper = calibrate(samples, &start).expect("from all sides");
+    let [s_x, s_y, s_z] = paper.scale.map(f32::to_bits);
+    let [b_x, b_y, b_z] = paper.bias.map(f32::to_bits);
+    assert_eq!([s_x, s_y, s_z, b_x, b_y, b_z], CALIBRATED_BITS, "the host finds other bits");
+
+    stage.count("calibrate_nine_100", &samples, |samples| {
+        let samples = samples.iter().copied().map(CoupledSample::from);
+        let found: Result<Extended<f32, 9>, _> =
+            calibrate_extended(samples, &start, NoiseShift::Kept);
+        found.expect("from all sides")
+    });
+    let mut sums = Sums::new(data_sheet, 3e-5_f32).expect("a data sheet");
+    for sample in samples {
+        sums.add(sample).expect("a reading");
+    }
+    let [first, ..] = samples;
+    stage.count("sums_add", (sums, first), |(mut sums, sample)| {
+        sums.add(sample).expect("a reading");
+        sums
+    });
+    stage.count("sums_calibrate_nine", sums, |sums| {
+        sums.calibration::<9>().expect("from all sides")
+    });
+    let step = AxesStep {
+        dt_s: 0.5,
+        rate_rad_s: [0.06, 0.03, 0.14],
+        field_t: Some([2e-5, -1e-5, 3e-5]),
+        dipole_am2: [0.1, 0.2, -0.3],
+    };
+    let mut axes = AxesCheck::new([[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.06]]);
+    axes.add(&step);
+    stage.count("axes_step", step, |step| axes.add(&step));
 }
 
 /// The truth's step, and cycles without the cost of any chip: the first of a flight, which prepares

@@ -219,6 +219,7 @@ const CALIBRATED_BITS: [u32; 6] =
     [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
 
 /// Calibrations of the magnetometer from 100 readings, from the data sheet to the covariance.
+#[inline(never)]
 fn calibration(counter: &Counter) {
     let samples: [Sample<f32>; 100] = core::array::from_fn(|k| {
         // From all sides, 6 to 50 µT.

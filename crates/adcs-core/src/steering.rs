@@ -124,37 +124,74 @@ pub enum ControlStatus {
 
 /// What stages I and II and the sensors say.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Known<'a> {
-    pub(crate) orbit: Option<&'a OrbitState>,
-    pub(crate) sun: Option<Direction<Eci>>,
-    pub(crate) omega_bi: Reading<Vector<Body>>,
-    pub(crate) field_b: Reading<Vector<Body>>,
-    pub(crate) determination: Option<&'a Determination>,
-    /// The model's field.
-    pub(crate) reference_field: Option<Vector<Eci>>,
-    /// Of the law that plans.
-    pub(crate) gains: Option<Gains>,
+pub struct Known<'a> {
+    /// Where the satellite is.
+    pub orbit: Option<&'a OrbitState>,
+    /// Where the Sun is from there.
+    pub sun: Option<Direction<Eci>>,
+    /// Rate as the gyros show it, rad/s.
+    pub omega_bi: Reading<Vector<Body>>,
+    /// Field as the magnetometer shows it, T.
+    pub field_b: Reading<Vector<Body>>,
+    /// What stage II believes.
+    pub determination: Option<&'a Determination>,
+    /// The model's field, T.
+    pub reference_field: Option<Vector<Eci>>,
+    /// Of the law that plans, for now.
+    pub gains: Option<Gains>,
 }
 
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct SteeringState {
+pub struct SteeringState {
     held: Decision,
     slope: FieldSlope,
     slew: SlewState,
     last: Option<Utc>,
     error_rad: Option<f32>,
+    residual: Option<LastResidual>,
+}
+
+/// The residual dipole when it was last trusted.
+#[derive(Debug, Clone, Copy)]
+struct LastResidual {
+    at: Utc,
+    dipole: Vector<Body>,
+    sigma: Vector<Body>,
+}
+
+/// For how long a residual dipole is still fed forward that is not trusted any more, s. It changes by a
+/// part in a hundred within an orbit; without it, the whole of it turns the satellite at once.
+const RESIDUAL_KEPT_S: f64 = 3000.0;
+
+impl LastResidual {
+    /// What stage II trusts now, or what it trusted last.
+    fn after(last: Option<Self>, now: Utc, determination: Option<&Determination>) -> Option<Self> {
+        let estimate = determination.and_then(|it| it.dynamic.estimate.as_ref());
+        match estimate.filter(|estimate| estimate.trusted) {
+            Some(estimate) => Some(Self {
+                at: now,
+                dipole: estimate.residual_dipole,
+                sigma: estimate.residual_dipole_sigma_am2,
+            }),
+            None => {
+                last.filter(|last| (0.0..=RESIDUAL_KEPT_S).contains(&now.seconds_since(last.at)))
+            }
+        }
+    }
 }
 
 /// The outcome of stage III, held until the round ends.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Decision {
-    pub(crate) control: ControlStatus,
-    pub(crate) command: Command,
+pub struct Decision {
+    /// What was done, and if nothing, why.
+    pub control: ControlStatus,
+    /// What the torquers are asked for.
+    pub command: Command,
     /// When it was decided, and for how long it is of use, s.
     useful: Option<(Utc, f32)>,
     /// Angle from Body to the target, rad, when it was decided; `None` when no attitude is aimed at.
-    pub(crate) error_rad: Option<f32>,
+    pub error_rad: Option<f32>,
 }
 
 impl Decision {
@@ -185,19 +222,19 @@ impl Default for Decision {
 
 impl SteeringState {
     /// Drops what was decided by a law that flies no longer: torquers off until the next round.
-    pub(crate) fn interrupt(&mut self) {
+    pub fn interrupt(&mut self) {
         self.held = Decision::default();
         self.slew = SlewState::default();
         self.error_rad = None;
     }
 
     /// Angle from Body to the target, rad, as it was last decided upon.
-    pub(crate) fn error_rad(&self) -> Option<f32> {
+    pub fn error_rad(&self) -> Option<f32> {
         self.error_rad
     }
 
     /// Stage III of one cycle.
-    pub(crate) fn cycle(
+    pub fn cycle(
         &mut self,
         law: &Law,
         steering: &Steering,
@@ -214,8 +251,11 @@ impl SteeringState {
         self.held = match phase {
             Phase::Settling | Phase::Settled => Decision::default(),
             Phase::Measuring => {
-                let Self { slope, slew, .. } = self;
-                let mut round = Deciding { steering, allocation, known, slope, slew, now };
+                self.residual = LastResidual::after(self.residual, now, known.determination);
+                let Self { slope, slew, residual, .. } = self;
+                let residual = *residual;
+                let mut round =
+                    Deciding { steering, allocation, known, slope, slew, residual, now };
                 let decision = round.decide(law).still(now);
                 self.error_rad = decision.error_rad;
                 decision
@@ -233,6 +273,7 @@ struct Deciding<'a> {
     known: &'a Known<'a>,
     slope: &'a FieldSlope,
     slew: &'a mut SlewState,
+    residual: Option<LastResidual>,
     now: Utc,
 }
 
@@ -337,8 +378,10 @@ impl Deciding<'_> {
         });
         let error = PointingError::new(r_bi, rate.omega_bi - ripple, goal);
         // What is known to turn the satellite: what stage II found, and on target what its unequal
-        // moments make of gravity and of the target's own turn.
+        // moments make of gravity and of the target's own turn. Where stage II has learned the inertia,
+        // its torque is what that leaves.
         let found = determination.dynamic.estimate.as_ref().filter(|it| it.trusted);
+        let inertia = found.map_or(inertia, |estimate| &estimate.inertia_kg_m2);
         let found = found.map_or(Vector::zero(), |estimate| r_tb * estimate.torque);
         let omega = goal.omega_ti.xyz;
         let gyroscopic = Vector::from_xyz(-omega.cross(&(inertia * omega)));
@@ -390,13 +433,11 @@ impl Deciding<'_> {
         }
     }
 
-    /// The residual dipole, and what is fed forward against it, while both are to be trusted.
+    /// The residual dipole, and what is fed forward against it, while it is known well enough.
     fn residual(&self) -> Option<(Vector<Body>, Vector<Body>)> {
-        let forward = self.steering.feed_forward?;
-        let estimate = self.known.determination?.dynamic.estimate.as_ref()?;
-        let (residual, sigma) = (estimate.residual_dipole, estimate.residual_dipole_sigma_am2);
-        let fed = forward.dipole(residual, sigma, &self.steering.round)?;
-        estimate.trusted.then_some((residual, fed))
+        let LastResidual { dipole, sigma, .. } = self.residual?;
+        let fed = self.steering.feed_forward?.dipole(dipole, sigma, &self.steering.round)?;
+        Some((dipole, fed))
     }
 }
 

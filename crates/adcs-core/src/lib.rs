@@ -26,6 +26,7 @@ pub mod control;
 mod determination;
 pub mod environment;
 pub mod frames;
+pub mod identification;
 pub mod modes;
 mod nodes;
 pub mod orbit;

@@ -218,7 +218,7 @@ fn pointing_estimator() -> EstimatorParameters {
             torque: TorqueNoise {
                 smallest_n_m: 1e-9,
                 start_n_m: 1e-8,
-                correlation_s: 20_000.0,
+                correlation_s: 5_000.0,
                 ..dynamics.torque
             },
             ..dynamics

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibration;
+pub mod certify;
 pub mod columns;
 pub mod emulator;
 pub mod ephemeris;

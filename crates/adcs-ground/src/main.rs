@@ -36,6 +36,7 @@ enum Command {
     Estimate(commands::estimate::Args),
     Calibrate(commands::calibrate::Args),
     Identify(commands::identify::Args),
+    Certify(commands::certify::Args),
     /// How well the filters do
     Study(commands::study::Args),
 }
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Estimate(args) => Ok(commands::estimate::run(&args)),
         Command::Calibrate(args) => Ok(commands::calibrate::run(&args)),
         Command::Identify(args) => Ok(commands::identify::run(&args)),
+        Command::Certify(args) => commands::certify::run(&args),
         Command::Study(args) => commands::study::run(&args),
     };
     result.unwrap_or_else(|error| {

@@ -2,6 +2,7 @@
 
 pub mod attitude;
 pub mod calibrate;
+pub mod certify;
 mod console;
 pub mod eclipse;
 pub mod estimate;

@@ -2,14 +2,12 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
 
 use adcs_ground::study::campaign::{self, eclipse_ratio, pooled};
 use adcs_ground::study::figures::Figures;
 use adcs_ground::study::run::Flight;
 use adcs_ground::study::scene::Scene;
-use adcs_ground::table::{Output, Progress};
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
 use super::super::console::print;
 use super::{flown, orbits, table};

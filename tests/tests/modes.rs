@@ -35,13 +35,13 @@ fn from_separation_to_nadir_without_a_command() {
         (Mode::Point, Cause::Trusted),
     ];
     assert_eq!(causes(&flight), expected);
-    // AND points: the law takes four orbits to settle, with an error of 3 to 6 deg from then on
+    // AND points: drag leaves an error of 5 deg in the mean, 11 deg at most over eight orbits
     let targets = Targets::of(&scenario);
     let last_orbit = flight.truth.iter().zip(&flight.records).skip(24_000 * 2);
     let worst = last_orbit.filter_map(|(truth, record)| targets.error_deg(truth, record));
     let worst = worst.fold(0.0, f64::max);
     println!("{:?}, worst of the last orbit {worst:.2} deg", transitions(&flight));
-    assert!((0.1..10.0).contains(&worst), "{worst}");
+    assert!((0.1..15.0).contains(&worst), "{worst}");
 }
 
 /// A satellite in this mode, with a sensor that fails after 1000 s. A slow turn, so that every mode could

@@ -185,6 +185,7 @@ impl LawParameters {
 }
 
 impl FlownParameters {
+    #[inline(never)]
     /// Accepts the law and what surrounds it.
     ///
     /// # Errors

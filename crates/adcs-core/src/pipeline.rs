@@ -392,9 +392,9 @@ mod tests {
             gravity_gradient: false,
         };
         let law = CrossProduct::new(&law).unwrap();
-        let guidance = Guidance { aim: Aim::Nadir, slew: None };
+        let (guidance, periodic) = (Guidance { aim: Aim::Nadir, slew: None }, None);
         let (configuration, mut state) =
-            (despin(Law::Pointing(Pointing { law, periodic: None, guidance })), State::default());
+            (despin(Law::Pointing(Pointing { law, periodic, guidance })), State::default());
         let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
         assert_eq!(measured.control, ControlStatus::NoAttitude);
         assert_eq!(measured.command, Command::off());

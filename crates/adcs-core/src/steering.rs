@@ -141,44 +141,21 @@ pub struct Known<'a> {
     pub gains: Option<Gains>,
 }
 
+/// For how long the residual dipole is fed forward as it was last trusted, s: an orbit. The magnet does
+/// not change because a filter doubts itself, and without feed-forward it turns a satellite that points
+/// over within minutes.
+const KEPT_S: f64 = 6_000.0;
+
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SteeringState {
     held: Decision,
     slope: FieldSlope,
     slew: SlewState,
+    /// The residual dipole as it was last trusted, and when, A·m².
+    residual: Option<(Utc, Vector<Body>)>,
     last: Option<Utc>,
     error_rad: Option<f32>,
-    residual: Option<LastResidual>,
-}
-
-/// The residual dipole when it was last trusted.
-#[derive(Debug, Clone, Copy)]
-struct LastResidual {
-    at: Utc,
-    dipole: Vector<Body>,
-    sigma: Vector<Body>,
-}
-
-/// For how long a residual dipole is still fed forward that is not trusted any more, s. It changes by a
-/// part in a hundred within an orbit; without it, the whole of it turns the satellite at once.
-const RESIDUAL_KEPT_S: f64 = 3000.0;
-
-impl LastResidual {
-    /// What stage II trusts now, or what it trusted last.
-    fn after(last: Option<Self>, now: Utc, determination: Option<&Determination>) -> Option<Self> {
-        let estimate = determination.and_then(|it| it.dynamic.estimate.as_ref());
-        match estimate.filter(|estimate| estimate.trusted) {
-            Some(estimate) => Some(Self {
-                at: now,
-                dipole: estimate.residual_dipole,
-                sigma: estimate.residual_dipole_sigma_am2,
-            }),
-            None => {
-                last.filter(|last| (0.0..=RESIDUAL_KEPT_S).contains(&now.seconds_since(last.at)))
-            }
-        }
-    }
 }
 
 /// The outcome of stage III, held until the round ends.
@@ -251,11 +228,10 @@ impl SteeringState {
         self.held = match phase {
             Phase::Settling | Phase::Settled => Decision::default(),
             Phase::Measuring => {
-                self.residual = LastResidual::after(self.residual, now, known.determination);
-                let Self { slope, slew, residual, .. } = self;
-                let residual = *residual;
+                let residual = self.residual(steering, known, now);
+                let Self { slope, slew, .. } = self;
                 let mut round =
-                    Deciding { steering, allocation, known, slope, slew, residual, now };
+                    Deciding { steering, allocation, known, residual, slope, slew, now };
                 let decision = round.decide(law).still(now);
                 self.error_rad = decision.error_rad;
                 decision
@@ -266,14 +242,45 @@ impl SteeringState {
     }
 }
 
+impl SteeringState {
+    /// The residual dipole, and what is fed forward against it: while it is to be trusted, and for a
+    /// while as it was then.
+    fn residual(
+        &mut self,
+        steering: &Steering,
+        known: &Known<'_>,
+        now: Utc,
+    ) -> Option<(Vector<Body>, Vector<Body>)> {
+        let forward = steering.feed_forward?;
+        let estimate = known.determination.and_then(|it| it.dynamic.estimate.as_ref());
+        let trusted = estimate.filter(|it| it.trusted).and_then(|it| {
+            let fed = forward.dipole(
+                it.residual_dipole,
+                it.residual_dipole_sigma_am2,
+                &steering.round,
+            )?;
+            Some((it.residual_dipole, fed))
+        });
+        if let Some((residual, _)) = trusted {
+            self.residual = Some((now, residual));
+            return trusted;
+        }
+        let (at, residual) = self.residual?;
+        let is_recent = (0.0..=KEPT_S).contains(&now.seconds_since(at));
+        let fed = forward.dipole(residual, Vector::zero(), &steering.round)?;
+        is_recent.then_some((residual, fed))
+    }
+}
+
 /// One round's decision in the making.
 struct Deciding<'a> {
     steering: &'a Steering,
     allocation: &'a Allocation,
     known: &'a Known<'a>,
+    /// The residual dipole, and what is fed forward against it.
+    residual: Option<(Vector<Body>, Vector<Body>)>,
     slope: &'a FieldSlope,
     slew: &'a mut SlewState,
-    residual: Option<LastResidual>,
     now: Utc,
 }
 
@@ -305,7 +312,7 @@ impl Deciding<'_> {
         let Some(wanted) = law(omega_bi, field_b) else {
             return Decision::off(ControlStatus::NoDipole);
         };
-        let fed = self.residual().map(|(_, fed)| fed);
+        let fed = self.residual.map(|(_, fed)| fed);
         let command = self.command(fed, wanted, Saturation::ClipAxes);
         let useful = self.steering.cut_hold.then(|| {
             // What is fed forward stands against M, which turns along: it never grows stale.
@@ -340,7 +347,7 @@ impl Deciding<'_> {
             Some(slew) => slew.towards(self.slew, self.now, attitude.r_bi, &goal),
             None => goal,
         };
-        let residual = self.residual();
+        let residual = self.residual;
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, field_b, law.inertia_kg_m2(), &self.steering.round)
         });
@@ -372,7 +379,7 @@ impl Deciding<'_> {
         let r_tb = r_bt.inverse();
         let field = goal.r_ti * reference_field?;
 
-        let residual = self.residual();
+        let residual = self.residual;
         let ripple = residual.map_or(Vector::zero(), |(residual, _)| {
             feed_forward::ripple(residual, r_bt * field, inertia, round)
         });
@@ -432,13 +439,6 @@ impl Deciding<'_> {
             },
         }
     }
-
-    /// The residual dipole, and what is fed forward against it, while it is known well enough.
-    fn residual(&self) -> Option<(Vector<Body>, Vector<Body>)> {
-        let LastResidual { dipole, sigma, .. } = self.residual?;
-        let fed = self.steering.feed_forward?.dipole(dipole, sigma, &self.steering.round)?;
-        Some((dipole, fed))
-    }
 }
 
 /// Where the Earth is in the axes that `rotation` leads to.
@@ -446,4 +446,87 @@ fn gravity<F>(orbit: &OrbitState, rotation: Rotation<F, Eci>) -> Option<Gravity<
     let up = (rotation * orbit.position.to_f32()).direction()?.vector();
     let r = orbit.position.norm();
     Some(Gravity { up, gradient: convert(3.0 * MU_M3_S2 / (r * r * r)) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::attitude::dynamic::{DynamicEstimate, DynamicOutput};
+    use crate::attitude::mekf;
+    use crate::attitude::selection::Reason;
+    use crate::control::allocation::TorquerParameters;
+    use crate::control::b_dot::BDotGain;
+    use nalgebra::Matrix3;
+
+    const RESIDUAL_AM2: [f32; 3] = [-0.3, 0.2, 0.1];
+
+    /// A filter that knows the residual dipole, and says whether it is to be trusted.
+    fn knowing(trusted: bool) -> Determination {
+        let [x, y, z] = RESIDUAL_AM2;
+        let estimate = DynamicEstimate {
+            r_bi: Rotation::identity(),
+            attitude_covariance: Matrix3::identity(),
+            omega_bi: Vector::zero(),
+            rate_covariance: Matrix3::identity(),
+            gyro_bias: Vector::zero(),
+            gyro_bias_sigma_rad_s: Vector::zero(),
+            residual_dipole: Vector::new(x, y, z),
+            residual_dipole_sigma_am2: Vector::new(0.01, 0.01, 0.01),
+            inertia_kg_m2: Matrix3::identity(),
+            torque: Vector::zero(),
+            torque_sigma_n_m: 0.0,
+            trusted,
+            gyro_doubtful: false,
+        };
+        Determination {
+            attitude: None,
+            rate: None,
+            reason: Reason::DynamicNotTrusted,
+            mekf: mekf::Output { estimate: None, field: None, sun: None, event: None },
+            dynamic: DynamicOutput {
+                estimate: Some(estimate),
+                gyro: None,
+                field: None,
+                sun: None,
+                event: None,
+            },
+        }
+    }
+
+    #[test]
+    fn a_residual_dipole_that_was_trusted_is_fed_forward_for_an_orbit_more() {
+        let steering = Steering {
+            rate: RateFrom::Gyro,
+            cut_hold: false,
+            feed_forward: Some(FeedForward::new(0.03).unwrap()),
+            round: Round { on_s: 10.0, off_s: 2.5 },
+        };
+        let torquers =
+            TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw: [0.0, 0.0, 0.0, 1.0] };
+        let allocation = Allocation::new(&torquers).unwrap();
+        let law = Law::BDot(BDot::new(BDotGain::Plain { gain_am2_s_per_t: 1e5 }).unwrap());
+        let mut state = SteeringState::default();
+        let mut dipole = |seconds: i64, determination: Option<Determination>| {
+            // At rest: what is commanded is what is fed forward.
+            let known = Known {
+                orbit: None,
+                sun: None,
+                omega_bi: Reading::Fresh(Vector::zero()),
+                field_b: Reading::Fresh(Vector::new(3e-5, 0.0, 0.0)),
+                determination: determination.as_ref(),
+                reference_field: None,
+                gains: None,
+            };
+            let at = (Utc::from_micros_since_2000(seconds * 1_000_000), Phase::Measuring);
+            state.cycle(&law, &steering, &allocation, at, &known).command.dipole.to_array()
+        };
+        let fed = RESIDUAL_AM2.map(|m| m * -1.25);
+        assert_eq!(dipole(0, Some(knowing(false))), [0.0; 3], "never trusted");
+        assert_eq!(dipole(10, Some(knowing(true))), fed);
+        for (seconds, unsure) in [(20, Some(knowing(false))), (4_000, None), (6_009, None)] {
+            assert_eq!(dipole(seconds, unsure), fed, "{seconds} s");
+        }
+        assert_eq!(dipole(6_020, None), [0.0; 3], "too long ago");
+        assert_eq!(dipole(5, None), [0.0; 3], "a clock that was set back");
+    }
 }

@@ -1,5 +1,29 @@
 //! Is any device wired the wrong way round? Wrong signs and exchanged axes, found by what they do.
+//!
+//! With one wrong sign B-dot spins a satellite up, and every reading looks healthy while it does. What
+//! gives a wiring away is that three devices must agree with the laws of motion:
+//!
+//! | law | disagreement means | code |
+//! |---|---|---|
+//! | Ḃ = −ω × B | gyro or magnetometer | [`turning`] |
+//! | J ω̇ + ω × J ω = (M + P m) × B | torquers, or a reversed magnetometer | [`response`] |
+//! | despin takes energy out | something else is wrong | [`guard`] |
+//!
+//! [`Guard`] holds them against each other while a loop is closed. [`ActiveCheck`] does it before, with
+//! pulses of each torquer, and names the device and its wiring. Derivation and figures: docs/polarity.
 
+pub mod check;
+pub mod guard;
+mod parameters;
 mod permutation;
+pub mod response;
+#[cfg(test)]
+mod tests;
+pub mod turning;
+mod verdict;
 
-pub use permutation::SignedPermutation;
+pub use check::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, Undecided};
+pub use guard::{Guard, GuardInputs, GuardState};
+pub use parameters::{PolarityError, PolarityParameters};
+pub use permutation::{PermutationError, SignedPermutation};
+pub use verdict::{Evidence, GuardVerdict, Suspect};

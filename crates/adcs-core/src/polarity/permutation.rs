@@ -3,12 +3,14 @@
 use core::fmt;
 
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// One of the 48 signed permutations of three axes: row `i` shows ± the axis `axes[i]`.
 ///
 /// P v = (± v_a, ± v_b, ± v_c). Half of them are rotations (det P = 1), half mirror (det P = −1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[serde(try_from = "u8", into = "u8")]
 pub struct SignedPermutation {
     index: u8,
 }
@@ -96,6 +98,36 @@ impl SignedPermutation {
     /// The signed permutation with this matrix; the identity when there is none.
     fn of(matrix: &Matrix3<f32>) -> Self {
         Self::all().find(|it| it.matrix() == *matrix).unwrap_or(Self::IDENTITY)
+    }
+}
+
+/// A number of a signed permutation that there is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PermutationError {
+    /// What was given.
+    pub found: u8,
+}
+
+impl fmt::Display for PermutationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "there is no signed permutation number {}, they are 0 to 47", self.found)
+    }
+}
+
+impl core::error::Error for PermutationError {}
+
+impl TryFrom<u8> for SignedPermutation {
+    type Error = PermutationError;
+
+    fn try_from(index: u8) -> Result<Self, PermutationError> {
+        Self::new(index).ok_or(PermutationError { found: index })
+    }
+}
+
+impl From<SignedPermutation> for u8 {
+    fn from(it: SignedPermutation) -> Self {
+        it.index
     }
 }
 

@@ -22,16 +22,15 @@
 //! away from the place and back again is a turn about two axes of less than that, and a
 //! [slew](super::slew) makes it gentle.
 
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::two_axes::{BodyAxes, BodyAxesParameters};
 use super::{AimError, Goal};
-use crate::environment::earth::{ROTATION_RATE_RAD_S, ecef_from_eci};
+use crate::environment::earth::ROTATION_RATE_RAD_S;
 use crate::environment::geodetic::Geodetic;
 use crate::frames::{Ecef, Eci, Vector};
 use crate::orbit::OrbitState;
-use crate::time::Utc;
+use crate::time::{Utc, gmst82_rad};
 
 /// Places on the ground are higher than this, m: the deepest shore is at −430 m, ellipsoid and geoid are
 /// 110 m apart at most.
@@ -60,8 +59,8 @@ pub struct Site {
     axes: BodyAxes,
     position: Vector<Ecef, f64>,
     /// The ellipsoid's normal there, unit.
-    up: Vector<Ecef, f64>,
-    sine_of_least_elevation: f64,
+    up: Vector<Ecef>,
+    sine_of_least_elevation: f32,
 }
 
 impl Site {
@@ -98,8 +97,8 @@ impl Site {
                 Ok(Self {
                     axes,
                     position,
-                    up: above - position,
-                    sine_of_least_elevation: libm::sin(f64::from(least_elevation_rad)),
+                    up: (above - position).to_f32(),
+                    sine_of_least_elevation: libm::sinf(least_elevation_rad),
                 })
             }
         }
@@ -108,9 +107,9 @@ impl Site {
     /// The goal from there. `None` when position and velocity span no orbit plane.
     pub fn goal(&self, now: Utc, orbit: &OrbitState) -> Option<Goal> {
         let (sight, drift) = self.line_of_sight(now, orbit);
-        let against_normal = (-orbit.position.cross(&orbit.velocity)).to_f32().direction()?;
-        let distance_m = sight.norm();
-        let (sight, drift) = (sight.to_f32(), drift.to_f32().xyz * (1.0 / distance_m) as f32);
+        let (r, v) = (orbit.position.to_f32(), orbit.velocity.to_f32());
+        let against_normal = v.cross(&r).direction()?;
+        let drift = drift.xyz * (1.0 / sight.norm());
         let aligned = self.axes.towards(sight.direction()?, against_normal)?;
         let (t1, t3) = (aligned.eci.column(0).into_owned(), aligned.eci.column(2).into_owned());
         let t1_dot = drift - t1 * t1.dot(&drift);
@@ -119,17 +118,23 @@ impl Site {
         Some(Goal { r_ti: aligned.r_ti, omega_ti: aligned.r_ti * omega })
     }
 
-    /// ρ and ρ̇, Eci, m and m/s.
-    fn line_of_sight(&self, now: Utc, orbit: &OrbitState) -> (Vector<Eci, f64>, Vector<Eci, f64>) {
-        let r_ie = ecef_from_eci(now).inverse();
-        let site = r_ie * self.position;
-        let sight = site - orbit.position;
-        let sine_of_elevation = -(r_ie * self.up).dot(&sight) / sight.norm();
-        if sine_of_elevation >= self.sine_of_least_elevation {
-            let carried = Vector3::z().cross(&site.xyz) * ROTATION_RATE_RAD_S;
-            (sight, Vector::from_xyz(carried) - orbit.velocity)
+    /// ρ and ρ̇, Eci, m and m/s. The place is turned into Eci in f64; from the difference on f32 is
+    /// precise to some centimetres.
+    fn line_of_sight(&self, now: Utc, orbit: &OrbitState) -> (Vector<Eci>, Vector<Eci>) {
+        let (s, c) = libm::sincos(gmst82_rad(now.julian_date()));
+        let [x, y, z] = self.position.to_array();
+        let site: Vector<Eci, f64> = Vector::new(c * x - s * y, s * x + c * y, z);
+        let sight = (site - orbit.position).to_f32();
+        let (s, c) = (s as f32, c as f32);
+        let [x, y, z] = self.up.to_array();
+        let up: Vector<Eci> = Vector::new(c * x - s * y, s * x + c * y, z);
+        if -up.dot(&sight) >= self.sine_of_least_elevation * sight.norm() {
+            let site = site.to_f32().xyz;
+            let carried: Vector<Eci> = Vector::new(-site.y, site.x, 0.0);
+            let rate = ROTATION_RATE_RAD_S as f32;
+            (sight, carried * rate - orbit.velocity.to_f32())
         } else {
-            (-orbit.position, -orbit.velocity)
+            (-orbit.position.to_f32(), -orbit.velocity.to_f32())
         }
     }
 }
@@ -139,6 +144,7 @@ mod tests {
     use super::super::nadir;
     use super::super::tests::{in_orbit, rate_by_difference};
     use super::*;
+    use crate::environment::earth::ecef_from_eci;
 
     fn start() -> Utc {
         Utc::parse("2015-11-19T03:31:21Z").unwrap()

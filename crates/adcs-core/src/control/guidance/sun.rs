@@ -64,8 +64,8 @@ impl SunAim {
         let boresight = self.axes.boresight();
         let since_2000_s = now.seconds_since(Utc::from_micros_since_2000(0));
         // In f64: of 1e9 s a turn keeps 1e-7 rad.
-        let turned =
-            libm::fmod(f64::from(self.spin_rad_s) * since_2000_s, core::f64::consts::TAU) as f32;
+        let turns = f64::from(self.spin_rad_s) * since_2000_s * (1.0 / core::f64::consts::TAU);
+        let turned = (turns - libm::floor(turns)) as f32 * core::f32::consts::TAU;
         let spin: Rotation<Target, Target> =
             Rotation::from_hamilton(UnitQuaternion::from_scaled_axis(boresight * -turned));
         Some(Goal {

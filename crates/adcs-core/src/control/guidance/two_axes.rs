@@ -58,6 +58,7 @@ impl BodyAxes {
         self.0.column(0).into_owned()
     }
 
+    #[inline(never)]
     /// The attitude with the boresight along `primary` and the second axis towards `second`; and the
     /// sine of the angle between the two. `None` when they are parallel.
     pub(super) fn towards(

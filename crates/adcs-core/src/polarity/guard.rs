@@ -1,0 +1,163 @@
+//! The guard of a closed loop: stops what a wrong wiring would drive.
+//!
+//! It may run before the loop is closed, and should: while it listens it learns the residual dipole and
+//! how the inertia differs, sees a wrong gyro or magnetometer before they do harm, and needs a third
+//! less time for the torquers afterwards. The energy counts from the first dipole on.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::parameters::{PolarityError, PolarityParameters};
+use super::permutation::SignedPermutation;
+use super::response::{Response, Seen};
+use super::turning::{Turning, TurningEvidence};
+use super::verdict::{Evidence, GuardVerdict, Suspect};
+use crate::frames::{Body, Vector};
+use crate::reading::Reading;
+use crate::schedule::Phase;
+use crate::time::Utc;
+
+/// Fastest rate that a gyro reports, each axis, rad/s (as the MEKF's limit).
+const FASTEST_RAD_S: f32 = 5.2;
+/// Weakest and strongest field in low orbit, with room for a magnetometer that is not calibrated, T.
+const WEAKEST_T: f32 = 5e-6;
+const STRONGEST_T: f32 = 1e-4;
+
+/// Natural logarithm of the odds of the best wiring over the second best at which it is named: 20.
+const NAMED: f32 = 3.0;
+/// Growth of the energy at which control stops whatever the reason.
+const ENERGY_GROWTH: f32 = 1.2;
+/// The energy counts from this rate on, rad/s: below, the residual dipole moves it at will.
+const SLOW_RAD_S: f32 = 0.035;
+/// By how many σ of the rate the energy must have grown.
+const ENERGY_SIGMAS: f32 = 4.0;
+
+/// The guard with accepted parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Guard {
+    parameters: PolarityParameters,
+    inertia: Matrix3<f32>,
+}
+
+/// What one cycle leaves for the next. `Default` is the moment in which the loop is closed.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct GuardState {
+    pub(super) last: Option<Utc>,
+    pub(super) turning: Turning,
+    pub(super) response: Response,
+    /// Whether the torquers have been on.
+    closed: bool,
+    energy_at_start_j: Option<f32>,
+    turned: Option<TurningEvidence>,
+    evidence: Option<Evidence>,
+    stopped: Option<Suspect>,
+}
+
+/// What the devices said and did since the last cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct GuardInputs {
+    /// The satellite's clock.
+    pub now: Utc,
+    /// What the cycle is for.
+    pub phase: Phase,
+    /// What the gyro shows, Body, rad/s.
+    pub omega_bi: Reading<Vector<Body>>,
+    /// The field at rest, Body, T.
+    pub field_b: Reading<Vector<Body>>,
+    /// What the torquers were told to carry since the last cycle, Body, A·m².
+    pub carried: Vector<Body>,
+}
+
+impl GuardInputs {
+    /// The gyro's rate, if it can be one.
+    pub(super) fn rate(&self) -> Option<Vector3<f32>> {
+        let possible = |rate: &Vector3<f32>| rate.iter().all(|axis| axis.abs() <= FASTEST_RAD_S);
+        self.omega_bi.value().map(|rate| rate.xyz).filter(possible)
+    }
+
+    /// The field, if it can be the Earth's.
+    pub(super) fn field(&self) -> Option<Vector3<f32>> {
+        let possible = |field: &Vector3<f32>| (WEAKEST_T..=STRONGEST_T).contains(&field.norm());
+        self.field_b.value().map(|field| field.xyz).filter(possible)
+    }
+
+    /// What was carried; nothing when it is not a number.
+    pub(super) fn dipole(&self) -> Vector3<f32> {
+        if self.carried.is_finite() { self.carried.xyz } else { Vector3::zeros() }
+    }
+}
+
+impl Guard {
+    /// Accepts parameters.
+    ///
+    /// # Errors
+    /// [`PolarityError`] with the parameter, its value and its range.
+    pub fn new(parameters: &PolarityParameters) -> Result<Self, PolarityError> {
+        let inertia = parameters.check()?;
+        Ok(Self { parameters: *parameters, inertia })
+    }
+
+    /// One cycle of the closed loop. A stop stays one until the state is made anew.
+    pub fn cycle(&self, state: &mut GuardState, inputs: &GuardInputs) -> GuardVerdict {
+        let p = &self.parameters;
+        let dt_s = state.last.map_or(0.0, |last| inputs.now.seconds_since(last) as f32);
+        state.last = Some(inputs.now);
+        let (gyro, field) = (inputs.rate(), inputs.field());
+        let last_of_rest = inputs.phase == Phase::Measuring;
+        let seen = Seen { gyro, field, dipole: inputs.dipole() };
+        state.response.cycle(p, &self.inertia, dt_s, &seen);
+        let compared = state.turning.cycle(p, dt_s, gyro, field, last_of_rest);
+        if compared {
+            state.turned = Some(state.turning.evidence(p));
+        }
+        state.closed |= seen.dipole != Vector3::zeros();
+        if state.stopped.is_none() {
+            state.stopped = self.judge(state);
+        }
+        let evidence = state.evidence.unwrap_or(Evidence::NONE);
+        match state.stopped {
+            Some(suspect) => GuardVerdict::Stop { suspect, evidence },
+            None => GuardVerdict::Sound(evidence),
+        }
+    }
+
+    fn judge(&self, state: &mut GuardState) -> Option<Suspect> {
+        let limit = self.parameters.log_odds;
+        let turning = state.turned;
+        let response = state.response.evidence();
+        let (energy, grown) = self.energy(state).unwrap_or((1.0, false));
+        state.evidence = Some(Evidence {
+            turning: turning.map_or(0.0, |it| it.wrong),
+            response: response.map_or(0.0, |it| it.wrong),
+            energy,
+        });
+        if let Some(it) = turning.filter(|it| it.wrong >= limit) {
+            let mirrors = !it.best.is_rotation();
+            let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
+            return Some(name(it.best));
+        }
+        if let Some(it) = response.filter(|it| it.wrong >= limit) {
+            return Some(match it.best {
+                _ if it.lead < NAMED => Suspect::TorquersOrReversedMagnetometer,
+                SignedPermutation::REVERSED => Suspect::ReversedTorquersOrMagnetometer,
+                wiring => Suspect::Torquers(wiring),
+            });
+        }
+        grown.then_some(Suspect::Unknown)
+    }
+
+    /// The kinetic energy over that at the start, and whether it has grown beyond doubt.
+    fn energy(&self, state: &mut GuardState) -> Option<(f32, bool)> {
+        if !state.closed {
+            return None;
+        }
+        let (rate, sigma, _) = state.response.motion()?;
+        let momentum = self.inertia * rate;
+        let energy = 0.5 * rate.dot(&momentum);
+        let start = *state.energy_at_start_j.get_or_insert(energy);
+        let mean = self.inertia.trace() / 3.0;
+        let counted = start.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
+        let doubt = ENERGY_SIGMAS * momentum.component_mul(&sigma).norm();
+        let ratio = energy / start;
+        ratio.is_finite().then_some((ratio, energy - doubt > ENERGY_GROWTH * counted))
+    }
+}

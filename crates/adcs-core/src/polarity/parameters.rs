@@ -1,0 +1,161 @@
+//! What the polarity guard is told.
+
+use core::fmt;
+
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+/// The guard's tuning as it is stored and uplinked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PolarityParameters {
+    /// The inertia tensor as well as it is known before flight, Body, kg·m².
+    pub inertia_kg_m2: [[f32; 3]; 3],
+    /// σ of each moment and product of inertia, in units of the mean moment.
+    pub inertia_prior: f32,
+    /// σ of the residual dipole, each axis, A·m².
+    pub dipole_prior_am2: f32,
+    /// σ of one gyro sample, each axis, rad/s.
+    pub gyro_noise_rad_s: f32,
+    /// σ of the gyro bias, each axis, rad/s.
+    pub gyro_bias_rad_s: f32,
+    /// σ of one measured field, each axis, T.
+    pub field_noise_t: f32,
+    /// What is not modelled of the rate's change, each axis, rad/s per √s.
+    pub rate_walk_rad_s_per_sqrt_s: f32,
+    /// The odds, as a natural logarithm, at which a wiring counts as wrong.
+    pub log_odds: f32,
+    /// Dipole of the pulses of the active check, A·m².
+    pub pulse_am2: f32,
+}
+
+impl Default for PolarityParameters {
+    /// SPROUT's preset A2 and sensors (docs/paper).
+    ///
+    /// Rate walk: a torque of 2e-7 N·m that nobody models changes the rate by 3.5e-5 rad/s in a round; drag
+    /// and gravity gradient stay below it. Odds: the false alarms that docs/polarity counts.
+    fn default() -> Self {
+        Self {
+            inertia_kg_m2: [
+                [0.05184, 0.00058, -0.00077],
+                [0.00058, 0.05416, 0.00069],
+                [-0.00077, 0.00069, 0.05978],
+            ],
+            inertia_prior: 0.06,
+            dipole_prior_am2: 0.5,
+            gyro_noise_rad_s: 2.845e-3,
+            gyro_bias_rad_s: 5e-3,
+            field_noise_t: 600e-9,
+            rate_walk_rad_s_per_sqrt_s: 1e-5,
+            log_odds: 7.5,
+            pulse_am2: 0.6,
+        }
+    }
+}
+
+/// Why parameters are refused; what was in force stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PolarityError {
+    /// The inertia tensor is not symmetric, not positive definite, or not finite.
+    Inertia,
+    /// A number outside its range.
+    OutOfRange {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: f32,
+        /// The smallest that is accepted.
+        from: f32,
+        /// The largest that is accepted.
+        to: f32,
+    },
+}
+
+impl fmt::Display for PolarityError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Inertia => {
+                write!(f, "the inertia tensor must be symmetric and positive definite")
+            }
+            Self::OutOfRange { name, found, from, to } => {
+                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PolarityError {}
+
+impl PolarityParameters {
+    /// The tensor, when guard and check can work with all of this.
+    pub(super) fn check(&self) -> Result<Matrix3<f32>, PolarityError> {
+        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.inertia_kg_m2;
+        let tensor = Matrix3::new(xx, xy, xz, yx, yy, yz, zx, zy, zz);
+        let physical = tensor.iter().all(|entry| entry.is_finite())
+            && tensor == tensor.transpose()
+            && tensor.cholesky().is_some();
+        if !physical {
+            return Err(PolarityError::Inertia);
+        }
+        for (name, found, from, to) in [
+            ("the mean moment of inertia", tensor.trace() / 3.0, 1e-6, 1e4),
+            ("the prior of the inertia", self.inertia_prior, 1e-4, 0.3),
+            ("the prior of the residual dipole", self.dipole_prior_am2, 1e-4, 100.0),
+            ("the gyro's noise", self.gyro_noise_rad_s, 1e-7, 0.1),
+            ("the gyro's bias", self.gyro_bias_rad_s, 1e-7, 1.0),
+            ("the magnetometer's noise", self.field_noise_t, 1e-9, 2e-5),
+            ("the walk of the rate", self.rate_walk_rad_s_per_sqrt_s, 1e-8, 1e-2),
+            ("the odds of an alarm", self.log_odds, 3.0, 100.0),
+            ("the dipole of the pulses", self.pulse_am2, 1e-4, 100.0),
+        ] {
+            if !(from..=to).contains(&found) {
+                return Err(PolarityError::OutOfRange { name, found, from, to });
+            }
+        }
+        Ok(tensor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(change: impl FnOnce(&mut PolarityParameters)) -> Option<PolarityError> {
+        let mut parameters = PolarityParameters::default();
+        change(&mut parameters);
+        parameters.check().err()
+    }
+
+    #[test]
+    fn the_default_is_accepted_and_impossible_values_are_refused_by_name() {
+        type Field = fn(&mut PolarityParameters) -> &mut f32;
+        assert_eq!(refused(|_| ()), None);
+        let fields: [(Field, &str); 8] = [
+            (|p| &mut p.inertia_prior, "the prior of the inertia"),
+            (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
+            (|p| &mut p.gyro_noise_rad_s, "the gyro's noise"),
+            (|p| &mut p.gyro_bias_rad_s, "the gyro's bias"),
+            (|p| &mut p.field_noise_t, "the magnetometer's noise"),
+            (|p| &mut p.rate_walk_rad_s_per_sqrt_s, "the walk of the rate"),
+            (|p| &mut p.log_odds, "the odds of an alarm"),
+            (|p| &mut p.pulse_am2, "the dipole of the pulses"),
+        ];
+        for (field, expected) in fields {
+            for bad in [f32::NAN, f32::INFINITY, 0.0, -1.0, 1e9] {
+                match refused(|p| *field(p) = bad) {
+                    Some(PolarityError::OutOfRange { name, .. }) => assert_eq!(name, expected),
+                    other => panic!("{expected} {bad}: {other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_inertia_is_refused() {
+        let inertia = Some(PolarityError::Inertia);
+        assert_eq!(refused(|p| p.inertia_kg_m2[0][1] = 0.001), inertia, "not symmetric");
+        assert_eq!(refused(|p| p.inertia_kg_m2[1][1] = -0.05), inertia);
+        assert_eq!(refused(|p| p.inertia_kg_m2[2][2] = f32::NAN), inertia);
+    }
+}

@@ -1,0 +1,413 @@
+//! Does the satellite answer the torquers as it should?
+//!
+//! Euler's equations tell how a commanded dipole changes the rate, if everything in them is known; so
+//! what is not known is estimated along, by an extended Kalman filter without attitude:
+//!
+//! J ω̇ = (M + P m) × B − ω × J ω,  Ḃ = −ω × B,  gyro = ω + b
+//!
+//! | state | code | meaning | prior σ |
+//! |---|---|---|---|
+//! | ω, B | `Quick` | rate, rad/s; field, in [`FIELD_UNIT_T`] | the first measurement |
+//! | b | `BIAS` | gyro bias, rad/s | parameter |
+//! | p | `INERTIA` | six parameters of J, in units of its mean moment | parameter |
+//! | M | `DIPOLE` | residual dipole, A·m² | parameter |
+//! | P | `WIRING` | the torquers do P m: nine numbers, column by column | 0.7 |
+//!
+//! P is estimated as any matrix, with no opinion on what it is. The signed permutations all have the same
+//! prior density, so the odds between two of them are those of the posterior,
+//!
+//! log L = −½ (P − P̂)ᵀ Σ⁻¹ (P − P̂),  Σ = covariance of P + 0.05²
+//!
+//! and the mean odds of all wrong ones against the right one are, while nothing is wrong, a martingale:
+//! that they ever rise above a has a probability of 1/a (Ville's inequality). The 0.05 stands for scale
+//! and misalignment of torquers that are wired well. Of the wrong ones only those count under which the
+//! torquers' work would have been useless or harmful: tr(Pᵀ C) against tr C, C = ∫ (B × ω) mᵀ dt.
+//!
+//! Source: Markley & Crassidis (2014), §12.3.7, for the filter; Ville (1939) for the inequality.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+use super::parameters::PolarityParameters;
+use super::permutation::SignedPermutation;
+use super::turning::LogSum;
+
+/// The unit of the field, T: fields in low orbit are of order one.
+const FIELD_UNIT_T: f32 = 3e-5;
+/// Longest step, s: longer ones are cut.
+const LONGEST_STEP_S: f32 = 0.5;
+/// After a longer gap it starts anew, s.
+const LONGEST_GAP_S: f32 = 10.0;
+/// Prior σ of each entry of P: of the 48, a third are ±1.
+const WIRING_PRIOR: f32 = 0.7;
+/// What torquers that are wired well may do beside P, each entry.
+const WIRING_SLACK: f32 = 0.05;
+/// A measurement further off than this many σ is left out.
+const GATE: f32 = 5.0;
+/// Over how long the work of a wiring is counted, s.
+const WORK_MEMORY_S: f32 = 300.0;
+/// A wiring that takes out less than this part of what the right one does is harmful, or useless.
+const USELESS: f32 = 0.25;
+/// So many of them in a row, and the estimate is lost.
+const LOST: u8 = 30;
+/// How the gyro bias walks, rad/s per √s (docs/filters), the residual dipole, A·m² per √s, and what is
+/// known of P is forgotten, per √s.
+const BIAS_WALK: f32 = 2e-6;
+const DIPOLE_WALK: f32 = 1e-4;
+const WIRING_WALK: f32 = 2e-3;
+/// What the field turns in Eci along the orbit, twice the rate of a low orbit, rad/s; correlated over a
+/// round.
+const FIELD_WALK: f32 = 2.2e-3 * 3.5;
+
+/// Rate and field.
+const QUICK: usize = 6;
+/// Everything that does not move by itself.
+const SLOW: usize = 21;
+const BIAS: usize = 0;
+const INERTIA: usize = 3;
+const DIPOLE: usize = 9;
+const WIRING: usize = 12;
+
+type Quick = SVector<f32, QUICK>;
+type Slow = SVector<f32, SLOW>;
+
+/// The estimate; `Default` is power-on, without one.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Response {
+    tracked: Option<Tracked>,
+    /// Of all measurements, each as far off as the gate at most.
+    log_likelihood: f32,
+    /// Measurements in a row that were left out.
+    contradictions: u8,
+    /// C = ∫ (B × ω) mᵀ dt, fading: a wiring P of the torquers does the work tr(Pᵀ C) of late.
+    work: Matrix3<f32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Tracked {
+    quick: Quick,
+    slow: Slow,
+    /// Covariance: of the quick states, between them and the slow ones, of those.
+    qq: SMatrix<f32, QUICK, QUICK>,
+    qs: SMatrix<f32, QUICK, SLOW>,
+    ss: SMatrix<f32, SLOW, SLOW>,
+}
+
+/// How far the torquers' wiring is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResponseEvidence {
+    /// The wiring that explains the rates best.
+    pub best: SignedPermutation,
+    /// Natural logarithm of its odds against the second best.
+    pub lead: f32,
+    /// Natural logarithm of the mean odds of all wrong wirings against the right one; those under which
+    /// the torquers' work of late would have been as good as ordered count as impossible.
+    pub wrong: f32,
+    /// Log-likelihood of the right wiring and of the reversed one; for comparing filters that were fed
+    /// differently.
+    pub right: f32,
+    /// See `right`.
+    pub reversed: f32,
+}
+
+/// Measurements of one cycle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    /// The gyro, rad/s.
+    pub(super) gyro: Option<Vector3<f32>>,
+    /// The field at rest, T.
+    pub(super) field: Option<Vector3<f32>>,
+    /// The dipole that was commanded since the last cycle, A·m².
+    pub(super) dipole: Vector3<f32>,
+}
+
+impl Response {
+    /// Takes in one cycle, `dt_s` after the last, with the tensor as it is known, kg·m².
+    pub(super) fn cycle(
+        &mut self,
+        p: &PolarityParameters,
+        inertia: &Matrix3<f32>,
+        dt_s: f32,
+        seen: &Seen,
+    ) {
+        let Some(mut tracked) = self.tracked else {
+            if let Some((gyro, field)) = seen.gyro.zip(seen.field) {
+                *self = Self { tracked: Some(Tracked::new(p, gyro, field)), ..Self::default() };
+            }
+            return;
+        };
+        let usable = dt_s > 0.0 && dt_s <= LONGEST_GAP_S;
+        if !usable {
+            *self = Self::default();
+            return;
+        }
+        // At most 20.
+        let steps = libm::ceilf(dt_s / LONGEST_STEP_S).max(1.0);
+        for _ in 0..steps as u8 {
+            tracked.predict(p, inertia, dt_s / steps, seen.dipole);
+        }
+        let (rate, field) = (tracked.quick.fixed_rows::<3>(0), tracked.quick.fixed_rows::<3>(3));
+        let kept = 1.0 - dt_s / (WORK_MEMORY_S + dt_s);
+        self.work = self.work * kept + field.cross(&rate) * seen.dipole.transpose() * dt_s;
+        for (axis, value) in seen.gyro.iter().flat_map(|gyro| gyro.iter().enumerate()) {
+            let noise = p.gyro_noise_rad_s;
+            self.absorb(&mut tracked, Measured::Gyro(axis), *value, noise * noise);
+        }
+        for (axis, value) in seen.field.iter().flat_map(|field| field.iter().enumerate()) {
+            let noise = p.field_noise_t / FIELD_UNIT_T;
+            self.absorb(&mut tracked, Measured::Field(axis), *value / FIELD_UNIT_T, noise * noise);
+        }
+        if tracked.is_sound() && self.contradictions < LOST {
+            tracked.symmetrise();
+            self.tracked = Some(tracked);
+        } else {
+            *self = Self::default();
+        }
+    }
+
+    fn absorb(&mut self, tracked: &mut Tracked, what: Measured, value: f32, noise: f32) {
+        let (nis, variance) = tracked.absorb(what, value, noise);
+        self.contradictions =
+            if nis <= GATE * GATE { 0 } else { self.contradictions.saturating_add(1) };
+        self.log_likelihood -= 0.5 * (nis.min(GATE * GATE) + libm::logf(variance));
+    }
+
+    /// The rate, rad/s, its σ, and the residual dipole, A·m².
+    pub(super) fn motion(&self) -> Option<(Vector3<f32>, Vector3<f32>, Vector3<f32>)> {
+        self.tracked.as_ref().map(|it| {
+            let sigma = it.qq.diagonal().fixed_rows::<3>(0).map(|v| libm::sqrtf(v.max(0.0)));
+            let rate = it.quick.fixed_rows::<3>(0).into_owned();
+            (rate, sigma, it.slow.fixed_rows::<3>(DIPOLE).into_owned())
+        })
+    }
+
+    /// How far the wiring is known by now; `None` before it has started.
+    pub(super) fn evidence(&self) -> Option<ResponseEvidence> {
+        let tracked = self.tracked.as_ref()?;
+        let wiring = tracked.slow.fixed_rows::<9>(WIRING).into_owned();
+        let slack = SMatrix::<f32, 9, 9>::from_diagonal_element(WIRING_SLACK * WIRING_SLACK);
+        let covariance = tracked.ss.fixed_view::<9, 9>(WIRING, WIRING) + slack;
+        let factor = covariance.cholesky()?;
+        let logarithm = |p: SignedPermutation| {
+            let matrix = p.matrix();
+            let off = SVector::<f32, 9>::from_column_slice(matrix.as_slice()) - wiring;
+            -0.5 * off.dot(&factor.solve(&off))
+        };
+        let work = |p: SignedPermutation| p.matrix().dot(&self.work);
+        let (mut best, mut most, mut second) =
+            (SignedPermutation::IDENTITY, f32::NEG_INFINITY, f32::NEG_INFINITY);
+        let mut wrong = LogSum::default();
+        let right = logarithm(SignedPermutation::IDENTITY);
+        for it in SignedPermutation::all() {
+            let found = logarithm(it);
+            let useless = work(it) > USELESS * work(SignedPermutation::IDENTITY);
+            if it != SignedPermutation::IDENTITY && useless {
+                wrong.add(found);
+            }
+            if found > most {
+                (best, most, second) = (it, found, most);
+            } else if found > second {
+                second = found;
+            }
+        }
+        // p(y | P) = p(P | y) p(y) / p(P), and p(P) is the same for all.
+        let marginal = self.log_likelihood - libm::logf(factor.determinant()) * 0.5;
+        let found = ResponseEvidence {
+            best,
+            lead: most - second,
+            wrong: wrong.mean_of_wrong() - right,
+            right: marginal + right,
+            reversed: marginal + logarithm(SignedPermutation::REVERSED),
+        };
+        let numbers = [found.lead, found.wrong, found.right, found.reversed];
+        numbers.iter().all(|it| it.is_finite()).then_some(found)
+    }
+}
+
+/// Which axis of which sensor.
+#[derive(Debug, Clone, Copy)]
+enum Measured {
+    Gyro(usize),
+    Field(usize),
+}
+
+impl Tracked {
+    fn new(p: &PolarityParameters, gyro: Vector3<f32>, field: Vector3<f32>) -> Self {
+        let mut quick = Quick::zeros();
+        quick.fixed_rows_mut::<3>(0).copy_from(&gyro);
+        quick.fixed_rows_mut::<3>(3).copy_from(&(field / FIELD_UNIT_T));
+        let square = |v: f32| v * v;
+        let (bias, noise) = (square(p.gyro_bias_rad_s), square(p.gyro_noise_rad_s));
+        let mut ss = Slow::zeros();
+        for (from, count, variance) in [
+            (BIAS, 3, bias),
+            (INERTIA, 6, square(p.inertia_prior)),
+            (DIPOLE, 3, square(p.dipole_prior_am2)),
+            (WIRING, 9, square(WIRING_PRIOR)),
+        ] {
+            ss.rows_mut(from, count).fill(variance);
+        }
+        let mut qq = Quick::zeros();
+        qq.fixed_rows_mut::<3>(0).fill(bias + noise);
+        qq.fixed_rows_mut::<3>(3).fill(square(p.field_noise_t / FIELD_UNIT_T));
+        // The rate is what the gyro shows less the bias.
+        let mut qs = SMatrix::<f32, QUICK, SLOW>::zeros();
+        qs.fixed_view_mut::<3, 3>(0, BIAS).fill_diagonal(-bias);
+        Self {
+            quick,
+            slow: Slow::zeros(),
+            qq: SMatrix::from_diagonal(&qq),
+            qs,
+            ss: SMatrix::from_diagonal(&ss),
+        }
+    }
+
+    /// One step: state at its middle for the derivatives, covariance by the transition to second order.
+    fn predict(
+        &mut self,
+        p: &PolarityParameters,
+        inertia: &Matrix3<f32>,
+        dt_s: f32,
+        dipole: Vector3<f32>,
+    ) {
+        let mean = inertia.trace() / 3.0;
+        let tensor = inertia + self.inertia() * mean;
+        let Some(inverse) = tensor.try_inverse() else { return };
+        let wiring = self.wiring();
+        let total = self.slow.fixed_rows::<3>(DIPOLE) + wiring * dipole;
+        let slope = |state: &Quick| -> Quick {
+            let omega: Vector3<f32> = state.fixed_rows::<3>(0).into_owned();
+            let field: Vector3<f32> = state.fixed_rows::<3>(3).into_owned();
+            let torque = total.cross(&field) * FIELD_UNIT_T - omega.cross(&(tensor * omega));
+            let mut slope = Quick::zeros();
+            slope.fixed_rows_mut::<3>(0).copy_from(&(inverse * torque));
+            slope.fixed_rows_mut::<3>(3).copy_from(&field.cross(&omega));
+            slope
+        };
+        // Runge–Kutta of fourth order.
+        let k1 = slope(&self.quick);
+        let k2 = slope(&(self.quick + k1 * (0.5 * dt_s)));
+        let k3 = slope(&(self.quick + k2 * (0.5 * dt_s)));
+        let k4 = slope(&(self.quick + k3 * dt_s));
+        let middle = self.quick + k1 * (0.5 * dt_s);
+        self.quick += (k1 + (k2 + k3) * 2.0 + k4) * (dt_s / 6.0);
+
+        let omega: Vector3<f32> = middle.fixed_rows::<3>(0).into_owned();
+        let field: Vector3<f32> = middle.fixed_rows::<3>(3).into_owned();
+        let acceleration: Vector3<f32> = k2.fixed_rows::<3>(0).into_owned();
+        let spin = omega.cross_matrix();
+        let mut a = SMatrix::<f32, QUICK, QUICK>::zeros();
+        let momentum = tensor * omega;
+        a.fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&(inverse * (momentum.cross_matrix() - spin * tensor)));
+        a.fixed_view_mut::<3, 3>(0, 3).copy_from(&(inverse * total.cross_matrix() * FIELD_UNIT_T));
+        a.fixed_view_mut::<3, 3>(3, 0).copy_from(&field.cross_matrix());
+        a.fixed_view_mut::<3, 3>(3, 3).copy_from(&-spin);
+        let mut by_slow = SMatrix::<f32, QUICK, SLOW>::zeros();
+        let by_dipole = inverse * field.cross_matrix() * -FIELD_UNIT_T;
+        by_slow.fixed_view_mut::<3, 3>(0, DIPOLE).copy_from(&by_dipole);
+        for (column, m) in dipole.iter().enumerate() {
+            by_slow.fixed_view_mut::<3, 3>(0, WIRING + 3 * column).copy_from(&(by_dipole * *m));
+        }
+        for (column, e) in ENTRIES.iter().enumerate() {
+            let e = entry(*e) * mean;
+            let torque = e * acceleration + omega.cross(&(e * omega));
+            by_slow.fixed_view_mut::<3, 1>(0, INERTIA + column).copy_from(&-(inverse * torque));
+        }
+
+        let identity = SMatrix::<f32, QUICK, QUICK>::identity();
+        let phi = identity + a * dt_s + a * a * (0.5 * dt_s * dt_s);
+        let gamma = (identity * dt_s + a * (0.5 * dt_s * dt_s)) * by_slow;
+        let qq = phi * self.qq + gamma * self.qs.transpose();
+        let qs = phi * self.qs + gamma * self.ss;
+        self.qq = qq * phi.transpose() + qs * gamma.transpose();
+        self.qs = qs;
+        let walk = |sigma: f32| sigma * sigma * dt_s;
+        let mut noise = Quick::zeros();
+        noise.fixed_rows_mut::<3>(0).fill(walk(p.rate_walk_rad_s_per_sqrt_s));
+        noise.fixed_rows_mut::<3>(3).fill(walk(FIELD_WALK) * field.norm_squared() / 3.0);
+        self.qq += SMatrix::from_diagonal(&noise);
+        for (from, count, sigma) in
+            [(BIAS, 3, BIAS_WALK), (DIPOLE, 3, DIPOLE_WALK), (WIRING, 9, WIRING_WALK)]
+        {
+            for state in from..from + count {
+                if let Some(variance) = self.ss.get_mut((state, state)) {
+                    *variance += walk(sigma);
+                }
+            }
+        }
+    }
+
+    /// Takes in one number; its squared innovation over its variance, and that. Beyond the gate it
+    /// changes nothing.
+    fn absorb(&mut self, what: Measured, value: f32, noise: f32) -> (f32, f32) {
+        let (quick, slow, mut by_quick, mut by_slow) = match what {
+            Measured::Gyro(axis) => (
+                axis,
+                Some(BIAS + axis),
+                self.qq.column(axis) + self.qs.column(BIAS + axis),
+                self.qs.row(axis).transpose() + self.ss.column(BIAS + axis),
+            ),
+            Measured::Field(axis) => (
+                3 + axis,
+                None,
+                self.qq.column(3 + axis).into_owned(),
+                self.qs.row(3 + axis).transpose(),
+            ),
+        };
+        // h x and h P hᵀ; both indices are there.
+        let along = |q: &Quick, s: &Slow| {
+            let slow = slow.and_then(|slow| s.get(slow));
+            q.get(quick).copied().unwrap_or(0.0) + slow.copied().unwrap_or(0.0)
+        };
+        let expected = along(&self.quick, &self.slow);
+        let variance = along(&by_quick, &by_slow) + noise;
+        let innovation = value - expected;
+        let nis = innovation * innovation / variance;
+        if !(variance > 0.0 && nis <= GATE * GATE) {
+            return (nis, variance);
+        }
+        self.quick += by_quick * (innovation / variance);
+        self.slow += by_slow * (innovation / variance);
+        let root = 1.0 / libm::sqrtf(variance);
+        by_quick *= root;
+        by_slow *= root;
+        self.qq.ger(-1.0, &by_quick, &by_quick, 1.0);
+        self.qs.ger(-1.0, &by_quick, &by_slow, 1.0);
+        self.ss.ger(-1.0, &by_slow, &by_slow, 1.0);
+        (nis, variance)
+    }
+
+    fn wiring(&self) -> Matrix3<f32> {
+        Matrix3::from_iterator(self.slow.iter().skip(WIRING).copied())
+    }
+
+    /// What the tensor has more than was known, in units of the mean moment.
+    fn inertia(&self) -> Matrix3<f32> {
+        let parameters = self.slow.fixed_rows::<6>(INERTIA);
+        parameters.iter().zip(ENTRIES).map(|(p, e)| entry(e) * *p).sum()
+    }
+
+    /// Rounding makes a covariance lopsided.
+    fn symmetrise(&mut self) {
+        self.qq = (self.qq + self.qq.transpose()) * 0.5;
+        self.ss = (self.ss + self.ss.transpose()) * 0.5;
+    }
+
+    fn is_sound(&self) -> bool {
+        let finite = self.quick.iter().chain(self.slow.iter()).all(|it| it.is_finite());
+        let positive = |variance: &f32| variance.is_finite() && *variance > 0.0;
+        let (quick, slow) = (self.qq.diagonal(), self.ss.diagonal());
+        finite && quick.iter().chain(slow.iter()).all(positive)
+    }
+}
+
+/// The entries of the tensor, in the order of its parameters.
+const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// The symmetric matrix with ones at an entry and its mirror image.
+fn entry((row, column): (usize, usize)) -> Matrix3<f32> {
+    Matrix3::from_fn(|r, c| {
+        let here = (r, c) == (row, column) || (c, r) == (row, column);
+        if here { 1.0 } else { 0.0 }
+    })
+}

@@ -20,7 +20,7 @@ const LARGEST_TURN_RAD: f32 = 0.5;
 
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct PlanningState {
+pub struct PlanningState {
     plan: Plan,
     field: Option<FieldModel<f32>>,
     sun: SunNodes,
@@ -28,14 +28,16 @@ pub(crate) struct PlanningState {
 
 /// What the future is computed from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Models<'a> {
-    pub(crate) orbit: Option<&'a OrbitModel>,
-    pub(crate) sun: &'a SunTrack,
+pub struct Models<'a> {
+    /// SGP4; without it nothing is planned.
+    pub orbit: Option<&'a OrbitModel>,
+    /// Where the Sun is.
+    pub sun: &'a SunTrack,
 }
 
 impl PlanningState {
     /// One slice of work, when the law looks ahead; then the gains for now, when there are any.
-    pub(crate) fn cycle(&mut self, law: &Law, models: &Models<'_>, now: Utc) -> Option<Gains> {
+    pub fn cycle(&mut self, law: &Law, models: &Models<'_>, now: Utc) -> Option<Gains> {
         let Law::Pointing(pointing) = law else { return None };
         let periodic = pointing.periodic.as_ref()?;
         let Self { plan, field, sun } = self;

@@ -124,16 +124,21 @@ pub enum ControlStatus {
 
 /// What stages I and II and the sensors say.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Known<'a> {
-    pub(crate) orbit: Option<&'a OrbitState>,
-    pub(crate) sun: Option<Direction<Eci>>,
-    pub(crate) omega_bi: Reading<Vector<Body>>,
-    pub(crate) field_b: Reading<Vector<Body>>,
-    pub(crate) determination: Option<&'a Determination>,
-    /// The model's field.
-    pub(crate) reference_field: Option<Vector<Eci>>,
-    /// Of the law that plans.
-    pub(crate) gains: Option<Gains>,
+pub struct Known<'a> {
+    /// Where the satellite is.
+    pub orbit: Option<&'a OrbitState>,
+    /// Where the Sun is from there.
+    pub sun: Option<Direction<Eci>>,
+    /// Rate as the gyros show it, rad/s.
+    pub omega_bi: Reading<Vector<Body>>,
+    /// Field as the magnetometer shows it, T.
+    pub field_b: Reading<Vector<Body>>,
+    /// What stage II believes.
+    pub determination: Option<&'a Determination>,
+    /// The model's field, T.
+    pub reference_field: Option<Vector<Eci>>,
+    /// Of the law that plans, for now.
+    pub gains: Option<Gains>,
 }
 
 /// For how long the residual dipole is fed forward as it was last trusted, s: an orbit. The magnet does
@@ -143,7 +148,7 @@ const KEPT_S: f64 = 6_000.0;
 
 /// What one cycle leaves for the next. `Default` is power-on.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct SteeringState {
+pub struct SteeringState {
     held: Decision,
     slope: FieldSlope,
     slew: SlewState,
@@ -155,13 +160,15 @@ pub(crate) struct SteeringState {
 
 /// The outcome of stage III, held until the round ends.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Decision {
-    pub(crate) control: ControlStatus,
-    pub(crate) command: Command,
+pub struct Decision {
+    /// What was done, and if nothing, why.
+    pub control: ControlStatus,
+    /// What the torquers are asked for.
+    pub command: Command,
     /// When it was decided, and for how long it is of use, s.
     useful: Option<(Utc, f32)>,
     /// Angle from Body to the target, rad, when it was decided; `None` when no attitude is aimed at.
-    pub(crate) error_rad: Option<f32>,
+    pub error_rad: Option<f32>,
 }
 
 impl Decision {
@@ -192,19 +199,19 @@ impl Default for Decision {
 
 impl SteeringState {
     /// Drops what was decided by a law that flies no longer: torquers off until the next round.
-    pub(crate) fn interrupt(&mut self) {
+    pub fn interrupt(&mut self) {
         self.held = Decision::default();
         self.slew = SlewState::default();
         self.error_rad = None;
     }
 
     /// Angle from Body to the target, rad, as it was last decided upon.
-    pub(crate) fn error_rad(&self) -> Option<f32> {
+    pub fn error_rad(&self) -> Option<f32> {
         self.error_rad
     }
 
     /// Stage III of one cycle.
-    pub(crate) fn cycle(
+    pub fn cycle(
         &mut self,
         law: &Law,
         steering: &Steering,
@@ -378,8 +385,10 @@ impl Deciding<'_> {
         });
         let error = PointingError::new(r_bi, rate.omega_bi - ripple, goal);
         // What is known to turn the satellite: what stage II found, and on target what its unequal
-        // moments make of gravity and of the target's own turn.
+        // moments make of gravity and of the target's own turn. Where stage II has learned the inertia,
+        // its torque is what that leaves.
         let found = determination.dynamic.estimate.as_ref().filter(|it| it.trusted);
+        let inertia = found.map_or(inertia, |estimate| &estimate.inertia_kg_m2);
         let found = found.map_or(Vector::zero(), |estimate| r_tb * estimate.torque);
         let omega = goal.omega_ti.xyz;
         let gyroscopic = Vector::from_xyz(-omega.cross(&(inertia * omega)));

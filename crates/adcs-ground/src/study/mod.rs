@@ -20,6 +20,7 @@
 pub mod campaign;
 pub mod closed_loop;
 pub mod figures;
+pub mod pointing;
 pub mod random;
 pub mod run;
 pub mod satellite;

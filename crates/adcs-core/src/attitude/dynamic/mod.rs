@@ -48,7 +48,9 @@ use self::plant::{Inertia, Motion, Surroundings};
 use self::torque_noise::TorqueSize;
 use self::tracked::{ProcessNoise, Tracked};
 use self::watch::{Seen, Watch};
-use crate::attitude::mekf::{self, FieldPair, FilterEstimate, Gates, Innovation, SunPair};
+use crate::attitude::mekf::{
+    self, FieldNoise, FieldPair, FilterEstimate, Gates, Innovation, SunPair,
+};
 use crate::environment::earth::MU_M3_S2;
 use crate::frames::{Body, Eci, Rotation, Vector};
 
@@ -154,7 +156,12 @@ impl<T: RealField + Copy> DynamicFilter<T> {
     /// [`DynamicError`] with the parameter, its value and its range.
     pub fn new(parameters: &DynamicParameters<T>) -> Result<Self, DynamicError> {
         parameters.check()?;
-        let field_noise_t = parameters.sensors.field_noise.sigma_t();
+        // What the calibration leaves is what the states of the bias are for.
+        let noise = &parameters.sensors.field_noise;
+        let field_noise_t = match parameters.blocks.field_bias {
+            true => FieldNoise { calibration_t: T::zero(), ..*noise }.sigma_t(),
+            false => noise.sigma_t(),
+        };
         Ok(Self { parameters: *parameters, field_noise_t })
     }
 
@@ -191,7 +198,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         }
         let gates = &self.parameters.sensors.gates;
         let seen = Seen { gyro, field, sun };
-        state.watch.see(gates, &seen, kinematic, tracked, inputs.sensors.dt_s);
+        state.watch.see(&self.parameters.sensors, &seen, kinematic, tracked, inputs.sensors.dt_s);
         let contradicted = state.watch.gives_up(gates);
         if contradicted {
             state.tracked = None;

@@ -12,8 +12,8 @@ use adcs_core::{
 };
 use adcs_hal::driver_board::DriverBoardConfig;
 use adcs_sim::scenario::{
-    COMMANDS, DragParameters, Readings, Scenario, SensorTruth, ShapeParameters, SolarPressureParameters,
-    SunSensorsTruth, VERSION, WorldParameters,
+    COMMANDS, DragParameters, Readings, Scenario, SensorTruth, ShapeParameters,
+    SolarPressureParameters, SunSensorsTruth, VERSION, WorldParameters,
 };
 use sgp4_lite::Elements;
 

@@ -1,6 +1,7 @@
 //! The mode machine in flight: from separation to pointing, and from every failure to safety.
 
 use adcs_core::modes::{Cause, Mode, Sensor, Transition};
+use adcs_core::polarity::{SignedPermutation, Suspect};
 use adcs_core::reading::MissingReason;
 use adcs_ground::report::pointing::Targets;
 use adcs_hal::fault::{Fault, FaultKind, SensorAxis};
@@ -186,4 +187,52 @@ fn commands_of_a_mission_reach_the_satellite_at_their_time() {
     // There is no experiment in this mission, and the satellite says so, once.
     let refused = flight.records.iter().filter_map(|it| Some((it.cycle, it.mode?.refused?)));
     assert_eq!(refused.collect::<Vec<_>>(), [(120, Mode::Experiment)]);
+}
+
+/// The satellite after separation, wired as `matrix` says of its magnetometer, in commissioning or not.
+fn wired(start: Mode, matrix: [[f64; 3]; 3]) -> Flight {
+    let mut scenario = mission("sprout/separation-to-nadir").scenario;
+    scenario.world.magnetometer.matrix = matrix;
+    scenario.flight.modes.as_mut().expect("the mission has modes").table.start = start;
+    scenario.cycles = 600 * CYCLES_A_SECOND;
+    fly(&scenario)
+}
+
+const RIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// x and y turned round, as in the paper's first experiment.
+const TURNED: [[f64; 3]; 3] = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+
+#[test]
+fn commissioning_lets_a_satellite_go_that_is_wired_as_it_should_be() {
+    let flight = wired(Mode::Commissioning, RIGHT);
+    println!("{:?}", transitions(&flight));
+    let expected = [(Mode::Commissioning, Cause::PowerOn), (Mode::Detumble, Cause::Checked)];
+    assert_eq!(causes(&flight), expected);
+}
+
+#[test]
+fn commissioning_names_a_magnetometer_with_two_signs_turned_round() {
+    let flight = wired(Mode::Commissioning, TURNED);
+    let all = transitions(&flight);
+    println!("{all:?}");
+    let Some((_, Transition { to: Mode::Safe, cause: Cause::Miswired(suspect), .. })) = all.last()
+    else {
+        panic!("{all:?}")
+    };
+    let Suspect::Magnetometer(wiring) = suspect else { panic!("{suspect}") };
+    assert_eq!(wiring.to_string(), "(-x, -y, +z)");
+    assert_ne!(*wiring, SignedPermutation::IDENTITY);
+    assert!(flight.records.iter().rev().take(100).all(|it| it.commanded_am2 == [0.0; 3]));
+}
+
+#[test]
+fn the_guard_stops_a_despin_with_two_signs_turned_round_for_good() {
+    let flight = wired(Mode::Detumble, TURNED);
+    let all = transitions(&flight);
+    println!("{all:?}");
+    let Some((at_s, last)) = all.last() else { panic!("none") };
+    assert!(matches!(last.cause, Cause::Miswired(_)) && last.to == Mode::Safe, "{last:?}");
+    // The bar for wrong sensors, and then no retry: waiting cures no wiring.
+    assert!(*at_s <= 120.0, "{at_s}");
+    assert_eq!(all.len(), 2);
 }

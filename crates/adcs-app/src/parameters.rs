@@ -13,10 +13,11 @@ use adcs_core::control::feed_forward::{FeedForward, SigmaError};
 use adcs_core::control::guidance::{AimError, Guidance, GuidanceParameters};
 use adcs_core::control::periodic::{PeriodicError, PeriodicLaw, PeriodicParameters};
 use adcs_core::environment::sun_track::SunTrack;
-use adcs_core::modes::{Flown, ModeError, ModeParameters, ModeTable, Modes};
+use adcs_core::modes::{Flown, ModeError, ModeParameters, ModeTable, Modes, Polarity};
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
 use adcs_core::pipeline::{Configuration, Law, Pointing, RateFrom, Steering, SteeringParameters};
+use adcs_core::polarity::{ActiveCheck, Guard, PolarityError, PolarityParameters};
 use adcs_core::schedule::{Round, Schedule, ScheduleError, ScheduleParameters};
 use adcs_core::sensing::{
     SunFaces, SunFacesError, SunFacesParameters, Triad, TriadError, TriadParameters,
@@ -72,6 +73,8 @@ pub struct ModesParameters {
     pub despin: FlownParameters,
     /// What flies in an experiment; `None` when there is none.
     pub experiment: Option<FlownParameters>,
+    /// What looks after the wiring; `None` to trust it.
+    pub polarity: Option<PolarityParameters>,
 }
 
 /// Everything that a satellite team configures for its flight.
@@ -119,6 +122,8 @@ pub enum ParameterError {
     Aim(AimError),
     /// The mode machine's table or laws.
     Modes(ModeError),
+    /// What looks after the wiring.
+    Polarity(PolarityError),
     /// The accuracy from which on the residual dipole is fed forward.
     FeedForward(SigmaError),
     /// The gyros' correction.
@@ -145,6 +150,7 @@ impl fmt::Display for ParameterError {
             Self::Periodic(error) => write!(f, "law: {error}"),
             Self::Aim(error) => write!(f, "law: {error}"),
             Self::Modes(error) => write!(f, "modes: {error}"),
+            Self::Polarity(error) => write!(f, "polarity: {error}"),
             Self::FeedForward(error) => write!(f, "law: {error}"),
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
@@ -212,7 +218,8 @@ impl ModesParameters {
         let despin = self.despin.accept(pointing.steering.round)?;
         let experiment =
             self.experiment.map(|it| it.accept(pointing.steering.round)).transpose()?;
-        let table = ModeTable::new(&self.table, experiment.is_some());
+        let has_check = self.polarity.is_some();
+        let table = ModeTable::new(&self.table, experiment.is_some(), has_check);
         let table = table.map_err(ParameterError::Modes)?;
         let refusal = match attitude {
             _ if matches!(despin.law, Law::Off) || despin.law.points() => {
@@ -235,7 +242,11 @@ impl ModesParameters {
             feed_forward: pointing.steering.feed_forward,
             ..despin.steering
         };
-        Ok(Modes { table, despin, acquire, experiment })
+        let polarity = self.polarity.as_ref().map(|parameters| -> Result<_, PolarityError> {
+            Ok(Polarity { guard: Guard::new(parameters)?, check: ActiveCheck::new(parameters)? })
+        });
+        let polarity = polarity.transpose().map_err(ParameterError::Polarity)?;
+        Ok(Modes { table, despin, acquire, experiment, polarity })
     }
 }
 

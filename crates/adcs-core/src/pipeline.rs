@@ -19,7 +19,7 @@ use crate::schedule::Phase;
 use crate::sensing::sun_faces::FACES;
 use crate::sensing::{Expected, Frozen, SunFaces, SunSighting, Triad};
 pub use crate::steering::{ControlStatus, Law, Pointing, RateFrom, Steering, SteeringParameters};
-use crate::steering::{Known, SteeringState};
+use crate::steering::{Decision, Known, SteeringState};
 use crate::time::Utc;
 
 /// Everything that was decided before the cycle: accepted configuration, never changed by it.
@@ -146,7 +146,8 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     // What the satellite is at.
     let at = (inputs.now, inputs.phase);
     let lit = sunlight.and_then(|sunlight| sunlight.lit);
-    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit };
+    let carried = configuration.allocation.to_body(inputs.carried);
+    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit, carried };
     let mode = configuration.modes.as_ref().map(|modes| {
         let error = state.steering.error_rad();
         let sight = Sight::of(at, inputs.commanded, &heard, determination.as_ref(), error);
@@ -172,7 +173,10 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         determination: determination.as_ref(),
     };
     let (law, steering) = configuration.flown(mode);
-    let decision = state.steering.cycle(law, steering, &configuration.allocation, at, &known);
+    let decision = match state.modes.pulse() {
+        Some(pulse) => Decision::acting(configuration.allocation.command(pulse)),
+        None => state.steering.cycle(law, steering, &configuration.allocation, at, &known),
+    };
     Thoughts {
         orbit,
         reference_field,

@@ -176,7 +176,7 @@ impl Decision {
         Self { control, command: Command::off(), useful: None, error_rad: None }
     }
 
-    fn acting(command: Command) -> Self {
+    pub(crate) fn acting(command: Command) -> Self {
         Self { control: ControlStatus::Acting, command, useful: None, error_rad: None }
     }
 

@@ -3,10 +3,12 @@
 use adcs_core::control::b_dot::{BDot, BDotGain};
 use adcs_core::frames::{Body, Vector};
 use adcs_core::modes::{
-    Cause, Flown, Mode, ModeParameters, ModeReport, ModeTable, Modes, ModesState, Needs, Sensor,
-    Sight, Transition,
+    Cause, Flown, Mode, ModeParameters, ModeReport, ModeTable, Modes, ModesState, Needs, Polarity,
+    Sensor, Sight, Transition,
 };
 use adcs_core::pipeline::{Law, RateFrom, Steering};
+use adcs_core::polarity::{ActiveCheck, Guard, GuardInputs, PolarityParameters, Undecided};
+use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, Round, Schedule, ScheduleParameters};
 use adcs_core::time::Utc;
 use proptest::prelude::*;
@@ -28,9 +30,24 @@ fn flown() -> Flown {
 fn machine(change: impl FnOnce(&mut ModeParameters)) -> Modes {
     let mut parameters = ModeParameters::default();
     change(&mut parameters);
-    let table = ModeTable::new(&parameters, true).unwrap();
+    let table = ModeTable::new(&parameters, true, true).unwrap();
     let despin = flown();
-    Modes { table, despin, acquire: despin.steering, experiment: Some(flown()) }
+    let check = PolarityParameters::default();
+    let polarity =
+        Polarity { guard: Guard::new(&check).unwrap(), check: ActiveCheck::new(&check).unwrap() };
+    Modes {
+        table,
+        despin,
+        acquire: despin.steering,
+        experiment: Some(flown()),
+        polarity: Some(polarity),
+    }
+}
+
+/// Devices from which nothing can be learned of their wiring.
+fn silent_devices(now: Utc, phase: Phase) -> GuardInputs {
+    let nothing = Reading::Missing(MissingReason::Bus);
+    GuardInputs { now, phase, omega_bi: nothing, field_b: nothing, carried: Vector::zero() }
 }
 
 /// A mode machine in flight, beside a world that is as it is told.
@@ -64,6 +81,7 @@ impl Flight {
             filtered: true,
             dipole_sigma_am2: Some(0.005),
             pointing_error_rad: Some(2.0 * DEG),
+            devices: silent_devices(Utc::from_micros_since_2000(0), Phase::Settling),
         };
         Self {
             modes,
@@ -94,7 +112,8 @@ impl Flight {
         let phase = self.schedule.phase(self.cycle);
         let rests = matches!(phase, Phase::Settled | Phase::Measuring);
         let magnetometer_speaks = rests.then_some(self.magnetometer);
-        let sight = Sight { phase, magnetometer_speaks, ..self.sight };
+        let devices = silent_devices(self.sight.now, phase);
+        let sight = Sight { phase, magnetometer_speaks, devices, ..self.sight };
         let report = self.modes.cycle(&mut self.state, &sight);
         let at = self.seconds();
         self.transitions.extend(report.transition.map(|transition| (at, transition)));
@@ -388,6 +407,19 @@ fn a_command_without_a_law_is_refused_and_the_mode_stays() {
 }
 
 #[test]
+fn commissioning_that_hears_nothing_ends_in_safety_and_without_parameters_is_refused() {
+    let mut flight = Flight::within(Mode::Commissioning, |_| {});
+    flight.fly(400.0);
+    let expected = (Mode::Safe, Cause::Unchecked(Undecided::NoRate));
+    assert_eq!(flight.causes()[0], expected);
+    let mut modes = machine(|_| {});
+    modes.polarity = None;
+    let mut flight = Flight::new(modes);
+    flight.fly(1.0);
+    assert_eq!(flight.command(Mode::Commissioning).refused, Some(Mode::Commissioning));
+}
+
+#[test]
 fn setting_the_clock_ends_no_mode() {
     let mut flight = Flight::within(Mode::Detumble, |_| {});
     flight.turns_at(8.0);
@@ -458,6 +490,7 @@ proptest! {
                 filtered,
                 dipole_sigma_am2: error,
                 pointing_error_rad: error,
+                devices: silent_devices(now, Phase::Measuring),
             });
             prop_assert_eq!(report.transition.map_or(report.mode, |it| it.to), report.mode);
             // A mode that a command has just entered sees the silence in the next cycle.

@@ -13,7 +13,7 @@ use crate::digest::Digest;
 use crate::message::Message;
 
 /// No frame is longer than this, bytes. That of the longest message, a cycle with every field
-/// present, has 402 with its CRC, what COBS adds, and the zero.
+/// present, has 403 with its CRC, what COBS adds, and the zero.
 pub const MAX_FRAME: usize = 416;
 
 /// CRC-32 of the frames, as in Ethernet.
@@ -92,8 +92,9 @@ mod tests {
     };
     use adcs_core::attitude::mekf::Lost;
     use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
-    use adcs_core::modes::{Cause, Mode, ModeReport, Sensor, Transition};
+    use adcs_core::modes::{Cause, Mode, ModeReport, Transition};
     use adcs_core::pipeline::ControlStatus;
+    use adcs_core::polarity::{SignedPermutation, Suspect};
     use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
     use adcs_core::sensing::FaceVerdict;
@@ -102,7 +103,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// That of the doc comment of [`MAX_FRAME`].
-    const LONGEST_FRAME: usize = 402;
+    const LONGEST_FRAME: usize = 403;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -146,7 +147,7 @@ mod tests {
                 transition: Some(Transition {
                     from: Mode::Experiment,
                     to: Mode::Experiment,
-                    cause: Cause::Silent(Sensor::SunSensors),
+                    cause: Cause::Miswired(Suspect::Torquers(SignedPermutation::REVERSED)),
                 }),
                 refused: Some(Mode::Experiment),
                 retries: u8::MAX,

@@ -3,8 +3,9 @@
 use super::growth::{Growth, Limits};
 use super::parameters::{ModeParameters, Needs};
 use super::sight::Sight;
-use super::{Cause, Flown, Mode, ModeReport, Modes, Sensor, Transition};
+use super::{Cause, Flown, Mode, ModeReport, Modes, Polarity, Sensor, Transition};
 use crate::frames::{Body, Vector};
+use crate::polarity::{CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Undecided};
 use crate::schedule::Phase;
 use crate::steering::{Law, Steering};
 use crate::time::Utc;
@@ -73,6 +74,10 @@ pub struct ModesState {
     sun: Silence,
     retries: u8,
     here: InMode,
+    guard: GuardState,
+    check: CheckState,
+    /// What the active check wants to be carried, Body, A·m².
+    pulse: Option<Vector<Body>>,
 }
 
 impl ModesState {
@@ -94,6 +99,12 @@ impl ModesState {
         Some(mean.norm())
     }
 
+    /// The pulse that the active check wants to be carried, Body, A·m²; `None` outside
+    /// [`Mode::Commissioning`].
+    pub(crate) fn pulse(&self) -> Option<Vector<Body>> {
+        self.pulse
+    }
+
     fn enter(&mut self, from: Mode, (to, cause): (Mode, Cause)) -> Transition {
         match cause {
             Cause::Recovered => self.retries = self.retries.saturating_add(1),
@@ -105,7 +116,12 @@ impl ModesState {
             Cause::Silent(sensor) => Some(sensor),
             _ => None,
         };
-        let was_commanded = cause == Cause::Commanded;
+        // No waiting cures a wrong wiring.
+        let was_commanded = matches!(cause, Cause::Commanded | Cause::Miswired(_));
+        if was_commanded || from == Mode::Commissioning {
+            self.guard = GuardState::default();
+        }
+        (self.check, self.pulse) = (CheckState::default(), None);
         self.here = InMode { was_commanded, missed, ..InMode::default() };
         Transition { from, to, cause }
     }
@@ -121,7 +137,11 @@ impl Modes {
     pub fn cycle(&self, state: &mut ModesState, sight: &Sight) -> ModeReport {
         let dt_s = state.elapsed_s(sight.now);
         let rate_rad_s = state.observe(sight, dt_s);
-        let is_refused = |mode: &Mode| *mode == Mode::Experiment && self.experiment.is_none();
+        let is_refused = |mode: &Mode| match mode {
+            Mode::Experiment => self.experiment.is_none(),
+            Mode::Commissioning => self.polarity.is_none(),
+            _ => false,
+        };
         let refused = sight.commanded.filter(is_refused);
         let commanded = sight.commanded.filter(|mode| !is_refused(mode));
 
@@ -131,7 +151,8 @@ impl Modes {
                 state.here.for_s += dt_s;
                 let seen = Seen { sight, rate_rad_s, dt_s };
                 // All of them are looked at in every cycle: each counts its own time.
-                let fault = self.fault(state, mode, &seen);
+                let wiring = self.wiring(state, mode, sight);
+                let fault = self.fault(state, mode, &seen).or(wiring);
                 let way = self.way(state, mode, &seen);
                 (mode, fault.or(way))
             }
@@ -153,7 +174,9 @@ impl Modes {
             (Mode::Acquire, _) => (&self.despin.law, &self.acquire),
             (Mode::Point, _) => pointing,
             (Mode::Experiment, Some(Flown { law, steering })) => (law, steering),
-            (Mode::Off | Mode::Safe | Mode::Experiment, _) => (&Law::Off, pointing.1),
+            (Mode::Off | Mode::Safe | Mode::Experiment | Mode::Commissioning, _) => {
+                (&Law::Off, pointing.1)
+            }
         }
     }
 
@@ -191,9 +214,45 @@ impl Modes {
         Some((Mode::Safe, cause))
     }
 
+    /// What the guard says. It listens whenever no loop is closed, and watches while despin closes one;
+    /// a satellite that points has proven its wiring, and turns too slowly to betray it.
+    fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
+        let Polarity { guard, .. } = self.polarity.as_ref()?;
+        if matches!(mode, Mode::Point | Mode::Commissioning) {
+            return None;
+        }
+        match guard.cycle(&mut state.guard, &sight.devices) {
+            GuardVerdict::Stop { suspect, .. } if mode.drives() => {
+                Some((Mode::Safe, Cause::Miswired(suspect)))
+            }
+            _ => None,
+        }
+    }
+
+    /// One cycle of the active check.
+    fn commission(&self, state: &mut ModesState, sight: &Sight) -> Option<(Mode, Cause)> {
+        let Polarity { check, .. } = self.polarity.as_ref()?;
+        match check.cycle(&mut state.check, &sight.devices) {
+            CheckStep::Carry(pulse) => {
+                state.pulse = Some(pulse);
+                None
+            }
+            CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
+            CheckStep::Done(CheckReport::Wrong(suspect)) => {
+                Some((Mode::Safe, Cause::Miswired(suspect)))
+            }
+            CheckStep::Done(CheckReport::Undecided(why)) => {
+                let is_silent = matches!(why, Undecided::NoRate | Undecided::NoField);
+                let next = if is_silent { Mode::Safe } else { Mode::Detumble };
+                Some((next, Cause::Unchecked(why)))
+            }
+        }
+    }
+
     /// Whether what should shrink grows.
     fn grows(&self, state: &mut ModesState, mode: Mode, seen: &Seen<'_>) -> Option<Cause> {
-        if seen.sight.phase != Phase::Measuring {
+        // The pulses of the active check turn the satellite as they like.
+        if seen.sight.phase != Phase::Measuring || mode == Mode::Commissioning {
             return None;
         }
         let (p, here) = (self.parameters(), &mut state.here);
@@ -222,6 +281,7 @@ impl Modes {
         let tumbling = here.tumbling.step(dt_s, fast, p.tumbling_for_s);
         match mode {
             Mode::Off => None,
+            Mode::Commissioning => self.commission(state, seen.sight),
             Mode::Safe => {
                 let recovered = here.recovered.step(dt_s, speaking, p.recovery_s);
                 let may = !here.was_commanded && state.retries < p.retries;

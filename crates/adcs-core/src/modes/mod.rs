@@ -21,6 +21,7 @@
 //! | [`Acquire`](Mode::Acquire) | despin law on the rate of stage II, residual dipole fed forward | when attitude and residual dipole are trusted and the rate is low |
 //! | [`Point`](Mode::Point) | pointing law | when the satellite tumbles or its attitude is lost |
 //! | [`Experiment`](Mode::Experiment) | a law of its own | after its time |
+//! | [`Commissioning`](Mode::Commissioning) | pulses of the active check | when that knows how the devices are wired |
 //!
 //! What each of these words means is one table of numbers, [`ModeParameters`]. A condition counts when it
 //! has held without a break for its time, and what leads back is further out than what led in. In the
@@ -40,6 +41,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::polarity::{ActiveCheck, Guard, Suspect, Undecided};
 use crate::steering::{Law, Steering};
 
 pub use machine::{LONGEST_STEP_S, ModesState};
@@ -62,6 +64,8 @@ pub enum Mode {
     Point,
     /// A law of its own for a time of its own, as in the paper's experiments.
     Experiment,
+    /// How the devices are wired is found out, before a loop is closed.
+    Commissioning,
 }
 
 impl Mode {
@@ -80,6 +84,7 @@ impl fmt::Display for Mode {
             Self::Acquire => "acquire",
             Self::Point => "point",
             Self::Experiment => "experiment",
+            Self::Commissioning => "commissioning",
         })
     }
 }
@@ -125,6 +130,12 @@ pub enum Cause {
     NotCaptured,
     /// The experiment's time is over.
     Over,
+    /// The active check has found everything wired as it should be.
+    Checked,
+    /// The active check could not tell; the guard goes on watching.
+    Unchecked(Undecided),
+    /// A device is wired wrongly: the guard or the active check says so.
+    Miswired(Suspect),
     /// The sensors have been speaking for long enough, and there is a retry left.
     Recovered,
 }
@@ -165,6 +176,15 @@ pub struct Flown {
     pub steering: Steering,
 }
 
+/// What looks after the wiring.
+#[derive(Debug, Clone, Copy)]
+pub struct Polarity {
+    /// Watches while a despin loop is closed.
+    pub guard: Guard,
+    /// Flies in [`Mode::Commissioning`].
+    pub check: ActiveCheck,
+}
+
 /// The mode machine's accepted configuration. The law of [`Mode::Point`] is the one that flies without
 /// modes too.
 #[derive(Debug, Clone, Copy)]
@@ -177,4 +197,6 @@ pub struct Modes {
     pub acquire: Steering,
     /// What flies in [`Mode::Experiment`]; `None` when there is none.
     pub experiment: Option<Flown>,
+    /// What looks after the wiring; `None` to trust it.
+    pub polarity: Option<Polarity>,
 }

@@ -200,6 +200,8 @@ pub enum ModeError {
     NoExperiment,
     /// An experiment cannot be followed by itself.
     ExperimentNext,
+    /// Commissioning is named, and nothing looks after the wiring.
+    NoCheck,
     /// Detumbling needs a despin law.
     NotDespin,
     /// Pointing needs a pointing law.
@@ -221,6 +223,9 @@ impl fmt::Display for ModeError {
             }
             Self::NoExperiment => write!(f, "there is no law for the experiment"),
             Self::ExperimentNext => write!(f, "an experiment cannot be followed by itself"),
+            Self::NoCheck => {
+                write!(f, "commissioning needs the parameters of the active check")
+            }
             Self::NotDespin => write!(f, "the law that detumbles must be a despin law"),
             Self::NotPointing => write!(f, "the law that points must be a pointing law"),
             Self::NoAttitude => write!(f, "pointing needs the filters of stage II"),
@@ -249,11 +254,15 @@ pub struct ModeTable {
 }
 
 impl ModeTable {
-    /// Accepts the numbers, and that each mode that is named has its law.
+    /// Accepts the numbers, and that each mode that is named has what it flies.
     ///
     /// # Errors
     /// [`ModeError`] with the first number that is refused.
-    pub fn new(parameters: &ModeParameters, has_experiment: bool) -> Result<Self, ModeError> {
+    pub fn new(
+        parameters: &ModeParameters,
+        has_experiment: bool,
+        has_check: bool,
+    ) -> Result<Self, ModeError> {
         let p = parameters;
         let slow = (1e-5, FASTEST_RAD_S);
         for (number, found, (least, most)) in [
@@ -304,6 +313,9 @@ impl ModeTable {
         match (p.start, p.experiment_next) {
             (_, Mode::Experiment) => Err(ModeError::ExperimentNext),
             (Mode::Experiment, _) if !has_experiment => Err(ModeError::NoExperiment),
+            (Mode::Commissioning, _) | (_, Mode::Commissioning) if !has_check => {
+                Err(ModeError::NoCheck)
+            }
             _ => Ok(Self { parameters: *parameters }),
         }
     }
@@ -315,7 +327,7 @@ mod tests {
 
     #[test]
     fn the_usual_table_is_accepted() {
-        assert!(ModeTable::new(&ModeParameters::default(), false).is_ok());
+        assert!(ModeTable::new(&ModeParameters::default(), false, false).is_ok());
     }
 
     #[test]
@@ -347,14 +359,14 @@ mod tests {
             for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
                 let mut parameters = ModeParameters::default();
                 set(&mut parameters, bad);
-                match ModeTable::new(&parameters, false) {
+                match ModeTable::new(&parameters, false, false) {
                     Err(ModeError::OutOfRange { number, .. }) => assert_eq!(number, wanted),
                     other => panic!("{wanted:?} {bad}: {other:?}"),
                 }
             }
         }
         let parameters = ModeParameters { growing_rounds: 1, ..ModeParameters::default() };
-        assert!(ModeTable::new(&parameters, false).is_err());
+        assert!(ModeTable::new(&parameters, false, false).is_err());
     }
 
     #[test]
@@ -366,7 +378,7 @@ mod tests {
             (ModeParameters { diverged_rad: 0.2, ..usual }, ModeNumber::Diverged),
             (ModeParameters { acquire_limit_s: 200.0, ..usual }, ModeNumber::AcquireLimit),
         ] {
-            match ModeTable::new(&parameters, false) {
+            match ModeTable::new(&parameters, false, false) {
                 Err(ModeError::NoHysteresis { outer: found, .. }) => assert_eq!(found, outer),
                 other => panic!("{outer:?}: {other:?}"),
             }
@@ -376,9 +388,12 @@ mod tests {
     #[test]
     fn an_experiment_needs_a_law_and_another_mode_after_it() {
         let start = ModeParameters { start: Mode::Experiment, ..ModeParameters::default() };
-        assert_eq!(ModeTable::new(&start, false), Err(ModeError::NoExperiment));
-        assert!(ModeTable::new(&start, true).is_ok());
+        assert_eq!(ModeTable::new(&start, false, false), Err(ModeError::NoExperiment));
+        assert!(ModeTable::new(&start, true, false).is_ok());
         let next = ModeParameters { experiment_next: Mode::Experiment, ..start };
-        assert_eq!(ModeTable::new(&next, true), Err(ModeError::ExperimentNext));
+        assert_eq!(ModeTable::new(&next, true, false), Err(ModeError::ExperimentNext));
+        let check = ModeParameters { start: Mode::Commissioning, ..ModeParameters::default() };
+        assert_eq!(ModeTable::new(&check, false, false), Err(ModeError::NoCheck));
+        assert!(ModeTable::new(&check, false, true).is_ok());
     }
 }

@@ -8,6 +8,7 @@ use crate::sensing::{FaceVerdict, SunSighting};
 use crate::time::Utc;
 
 use super::Mode;
+use crate::polarity::GuardInputs;
 
 /// The Sun counts as shining from this fraction of its disc on, as in stage II.
 const LIT: f32 = 0.5;
@@ -37,6 +38,8 @@ pub struct Sight {
     pub dipole_sigma_am2: Option<f32>,
     /// Angle to the target, rad, where it was last known in this mode.
     pub pointing_error_rad: Option<f32>,
+    /// What the devices say and did, for what looks after their wiring.
+    pub devices: GuardInputs,
 }
 
 /// The sensors of one cycle.
@@ -45,6 +48,8 @@ pub(crate) struct Heard<'a> {
     pub(crate) field_b: Reading<Vector<Body>>,
     pub(crate) sun_b: &'a SunSighting,
     pub(crate) lit: Option<f32>,
+    /// What the torquers carried since the last cycle.
+    pub(crate) carried: Vector<Body>,
 }
 
 impl Sight {
@@ -73,6 +78,13 @@ impl Sight {
             filtered: attitude.is_some_and(|it| it.source != AttitudeSource::TwoVectors),
             dipole_sigma_am2: dynamic.map(|it| it.residual_dipole_sigma_am2.xyz.max()),
             pointing_error_rad,
+            devices: GuardInputs {
+                now,
+                phase,
+                omega_bi: heard.omega_bi,
+                field_b: heard.field_b,
+                carried: heard.carried,
+            },
         }
     }
 }

@@ -3,6 +3,7 @@
 use adcs_app::{FlownParameters, ModesParameters, ParameterError};
 use adcs_core::attitude::selection::{EstimatorParameters, Flies};
 use adcs_core::modes::{Mode, ModeError, ModeNumber, ModeParameters, Needs};
+use adcs_core::polarity::PolarityParameters;
 use adcs_core::schedule::ScheduleParameters;
 use adcs_sim::scenario::{COMMANDS, TimedCommand};
 
@@ -12,17 +13,19 @@ use super::section::Section;
 use super::typed::FINITE;
 
 /// Every mode by its name.
-const MODES: [(&str, Mode); 6] = [
+const MODES: [(&str, Mode); 7] = [
     ("off", Mode::Off),
     ("safe", Mode::Safe),
     ("detumble", Mode::Detumble),
     ("acquire", Mode::Acquire),
     ("point", Mode::Point),
     ("experiment", Mode::Experiment),
+    ("commissioning", Mode::Commissioning),
 ];
 
 const DIPOLE_SIGMA: &str = "dipole_sigma_am2";
 const EXPERIMENT: &str = "experiment";
+const GUARD: &str = "polarity_guard";
 
 /// The keys of the numbers.
 const NUMBERS: [(ModeNumber, &str); 21] = [
@@ -75,6 +78,7 @@ pub(super) fn modes(
         None => Some(None),
     };
     let table = table(&section, beside.attitude.as_ref());
+    let guards = if section.has(GUARD) { section.flag(GUARD) } else { Some(true) };
     section.finish();
 
     let flown = |(law, steering)| FlownParameters { law, steering };
@@ -82,6 +86,7 @@ pub(super) fn modes(
         table: table?,
         despin: flown(despin?),
         experiment: experiment?.map(flown),
+        polarity: beside.attitude.filter(|_| guards == Some(true)).map(|it| polarity(&it, usual)),
     };
     let round = beside.schedule?.round();
     let pointing = beside.pointing?.accept(round).ok()?;
@@ -92,6 +97,20 @@ pub(super) fn modes(
     Some(Some(modes))
 }
 
+/// What looks after the wiring knows what stage II is told.
+fn polarity(attitude: &EstimatorParameters, usual: &Usual) -> PolarityParameters {
+    let told = &attitude.dynamics;
+    PolarityParameters {
+        inertia_kg_m2: told.inertia_kg_m2,
+        dipole_prior_am2: told.dipole_prior_am2,
+        gyro_noise_rad_s: told.sensors.gyro_noise_rad_s,
+        gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
+        field_noise_t: told.sensors.field_noise.sigma_t(),
+        pulse_am2: usual.max_dipole_am2.unwrap_or(PolarityParameters::default().pulse_am2),
+        ..PolarityParameters::default()
+    }
+}
+
 /// Says at its key what the flight software refuses.
 fn refuse(root: &Section, section: &Section, error: &ParameterError) {
     let key = match error {
@@ -100,6 +119,7 @@ fn refuse(root: &Section, section: &Section, error: &ParameterError) {
         ParameterError::Modes(ModeError::ExperimentNext) => "experiment_next",
         ParameterError::Modes(ModeError::NoDipole) => DIPOLE_SIGMA,
         ParameterError::Modes(ModeError::NotDespin) => "detumble",
+        ParameterError::Polarity(_) => GUARD,
         ParameterError::Modes(ModeError::NotPointing) => {
             let advice = "with modes [law] is what flies in mode point";
             let fault = Fault::advising(error.to_string(), advice);

@@ -148,7 +148,7 @@ fn cells(row: &Row) -> Vec<String> {
     cells.all_of(row.dipole_am2);
     cells.add(row.mode.map_or_else(String::new, |report| report.mode.to_string()));
     let transition = row.mode.and_then(|report| report.transition);
-    cells.add(transition.map_or("", |it| cause_words(it.cause)));
+    cells.add(transition.map_or_else(String::new, |it| cause_words(it.cause)));
     cells.add(control_words(row.control));
     cells.one_of(row.pointing_error_deg);
     cells.one_of(row.believed_pointing_deg);

@@ -128,6 +128,7 @@ fn mode_colour(mode: Mode) -> (&'static str, plotters::style::RGBColor) {
         Mode::Acquire => ("acquire", colour::SKY),
         Mode::Point => ("point", colour::GREEN),
         Mode::Experiment => ("experiment", colour::PURPLE),
+        Mode::Commissioning => ("commissioning", colour::BLUE),
     }
 }
 

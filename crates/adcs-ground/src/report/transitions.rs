@@ -26,7 +26,7 @@ pub fn transitions(rows: &[Row]) -> Vec<TransitionAt> {
             time_ms: (row.time_s * 1e3).round() as u64,
             from: transition.from.to_string(),
             to: transition.to.to_string(),
-            cause: cause_words(transition.cause).to_owned(),
+            cause: cause_words(transition.cause),
         })
     };
     rows.iter().filter_map(at).collect()
@@ -57,8 +57,8 @@ pub fn spans(rows: &[Row]) -> Vec<(Mode, Vec<(f64, f64)>)> {
 }
 
 /// Why a mode was entered, in words.
-pub fn cause_words(cause: Cause) -> &'static str {
-    match cause {
+pub fn cause_words(cause: Cause) -> String {
+    let words = match cause {
         Cause::PowerOn => "power on",
         Cause::Commanded => "commanded",
         Cause::Despun => "despun",
@@ -74,8 +74,12 @@ pub fn cause_words(cause: Cause) -> &'static str {
         Cause::NotCaptured => "not captured in time",
         Cause::Over => "experiment over",
         Cause::Recovered => "sensors recovered",
+        Cause::Checked => "wired as it should be",
+        Cause::Unchecked(why) => return format!("wiring not known: {why}"),
+        Cause::Miswired(suspect) => return suspect.to_string(),
         _ => "unknown",
-    }
+    };
+    words.to_owned()
 }
 
 #[cfg(test)]

@@ -134,7 +134,7 @@ impl<T: RealField + Copy> Limits<T> {
 
 impl<T: RealField + Copy> FieldNoise<T> {
     /// All parts together, σ of each axis, T.
-    pub(in crate::attitude) fn sigma_t(&self) -> T {
+    pub fn sigma_t(&self) -> T {
         let Self { sensor_t, calibration_t, model_t } = *self;
         (sensor_t * sensor_t + calibration_t * calibration_t + model_t * model_t).sqrt()
     }

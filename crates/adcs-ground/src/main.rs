@@ -35,7 +35,7 @@ enum Command {
     Attitude(commands::attitude::Args),
     Estimate(commands::estimate::Args),
     Calibrate(commands::calibrate::Args),
-    /// How well the filters do
+    /// How well filters, laws and guards do, over many simulated flights
     Study(commands::study::Args),
 }
 

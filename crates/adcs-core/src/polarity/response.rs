@@ -7,7 +7,7 @@
 //!
 //! | state | code | meaning | prior σ |
 //! |---|---|---|---|
-//! | ω, B | `Quick` | rate, rad/s; field, in [`FIELD_UNIT_T`] | the first measurement |
+//! | ω, B | `Quick` | rate, rad/s; field, in `FIELD_UNIT_T` | the first measurement |
 //! | b | `BIAS` | gyro bias, rad/s | parameter |
 //! | p | `INERTIA` | six parameters of J, in units of its mean moment | parameter |
 //! | M | `DIPOLE` | residual dipole, A·m² | parameter |

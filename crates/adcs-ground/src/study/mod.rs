@@ -19,7 +19,9 @@
 
 pub mod campaign;
 pub mod closed_loop;
+pub mod despin;
 pub mod figures;
+pub mod polarity;
 pub mod random;
 pub mod run;
 pub mod satellite;

@@ -1,17 +1,16 @@
-//! `adcs study`: how well the filters do.
+//! `adcs study filters`: how well the filters do.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
 
 use adcs_ground::study::campaign::{self, eclipse_ratio, pooled};
 use adcs_ground::study::figures::Figures;
 use adcs_ground::study::run::Flight;
 use adcs_ground::study::scene::Scene;
-use adcs_ground::table::{Output, Progress};
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 
-use super::console::print;
+use super::super::console::print;
+use super::{Csv, watched};
 
 const HELP: &str = "\
 Scenes (SPROUT's preset A2, 2 orbits, sensors of the paper at 1 Hz):
@@ -36,22 +35,10 @@ Examples
   $ adcs study filters --scene tumble --flights 100 --csv flights.csv
   $ adcs study filters --scene nadir --flights 2 --orbits 445     a month";
 
-/// How well the filters do: many simulated flights beside the bounds that no filter beats
-#[derive(Debug, clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    subject: Subject,
-}
-
-#[derive(Debug, clap::Subcommand)]
-enum Subject {
-    Filters(FilterArgs),
-}
-
 /// MEKF and dynamics-aided filter on the same flights, beside the Cramér-Rao bound
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP)]
-struct FilterArgs {
+pub struct Args {
     /// The scene; may be given several times [default: all]
     #[arg(long = "scene", value_name = "SCENE", value_parser = scene)]
     scenes: Vec<Scene>,
@@ -82,47 +69,18 @@ fn orbits(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {
-    let Subject::Filters(args) = &args.subject;
     let scenes = if args.scenes.is_empty() { &Scene::ALL[..] } else { &args.scenes };
-    let mut table = match &args.csv {
-        Some(path) => Some(
-            Output::create(path)
-                .map(csv::Writer::from_writer)
-                .with_context(|| format!("{} cannot be written", path.display()))?,
-        ),
-        None => None,
-    };
-    if let Some(table) = &mut table {
-        table.write_record(COLUMNS)?;
-    }
+    let mut table = Csv::create(args.csv.as_deref(), &COLUMNS)?;
     for scene in scenes {
         let scene = Scene { orbits: args.orbits, ..*scene };
-        let flights = fly(&scene, args.flights)?;
+        let flights = watched(args.flights, |flown| campaign::fly(&scene, args.flights, flown))?;
         show(&scene, &flights);
-        if let Some(table) = &mut table {
-            for (seed, flight) in (1..).zip(&flights) {
-                table.write_record(row(&scene, seed, flight))?;
-            }
-            table.flush()?;
+        for (seed, flight) in (1..).zip(&flights) {
+            table.write(&row(&scene, seed, flight))?;
         }
     }
-    if let Some(table) = table {
-        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
-    }
+    table.finish()?;
     Ok(ExitCode::SUCCESS)
-}
-
-fn fly(scene: &Scene, flights: u64) -> Result<Vec<Flight>> {
-    let progress = Mutex::new(Progress::of_steps(flights, true));
-    let results = campaign::fly(scene, flights, || {
-        if let Ok(progress) = progress.lock() {
-            progress.advance(1);
-        }
-    });
-    if let Ok(progress) = progress.lock() {
-        progress.finish();
-    }
-    results
 }
 
 fn show(scene: &Scene, flights: &[Flight]) {

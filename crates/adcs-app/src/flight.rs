@@ -2,6 +2,7 @@
 
 use adcs_core::attitude::selection::{AttitudeSource, Determination};
 use adcs_core::frames::{TorquerAxes, Vector};
+use adcs_core::modes::Mode;
 use adcs_core::pipeline::{self, Configuration, Inputs, State, Thoughts};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Schedule;
@@ -40,6 +41,7 @@ pub struct FlightApp<B> {
     state: State,
     /// What the torquers carry since the last cycle, A·m².
     carried: Vector<TorquerAxes>,
+    commanded: Option<Mode>,
     next_cycle: u32,
     health: Health,
     digest: Digest,
@@ -58,6 +60,7 @@ impl<B: Board> FlightApp<B> {
             configuration,
             state: State::default(),
             carried: Vector::zero(),
+            commanded: None,
             next_cycle: 0,
             health: Health::default(),
             digest: Digest::default(),
@@ -76,6 +79,11 @@ impl<B: Board> FlightApp<B> {
         self.absorb(&Message::Cycle(record));
         self.next_cycle = self.next_cycle.wrapping_add(1);
         record
+    }
+
+    /// Asks for a mode; the next cycle follows, or says in its record that it cannot.
+    pub fn command(&mut self, mode: Mode) {
+        self.commanded = Some(mode);
     }
 
     /// In simulation: takes the true state of a cycle into the flight's digest.
@@ -101,7 +109,8 @@ impl<B: Board> FlightApp<B> {
         let field_t = field_t.map(|axis| finite(axis, |field| field.is_finite()));
         let all_finite = |currents: &[f32; 4]| currents.iter().all(|current| current.is_finite());
         let sun_a = sun_a.map(|face| finite(face, all_finite));
-        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried: self.carried }
+        let (carried, commanded) = (self.carried, self.commanded.take());
+        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried, commanded }
     }
 
     fn count(&mut self, record: &CycleRecord) {
@@ -164,7 +173,9 @@ fn record(
         reference_sun_eci: thoughts.reference_sun.map(|sun| sun.vector().to_array()),
         sunlit: thoughts.sunlit,
         determination: thoughts.determination.as_ref().map(determination_record),
+        mode: thoughts.mode,
         control: thoughts.control,
+        pointing_error_rad: thoughts.pointing_error_rad,
         commanded_am2: thoughts.command.dipole.to_array(),
         driven_am2,
         saturated: thoughts.command.saturated,

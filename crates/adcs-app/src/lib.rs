@@ -22,4 +22,6 @@ pub mod flight;
 pub mod parameters;
 
 pub use flight::{FlightApp, Health};
-pub use parameters::{FlightParameters, LawParameters, ParameterError};
+pub use parameters::{
+    FlightParameters, FlownParameters, LawParameters, ModesParameters, ParameterError,
+};

@@ -4,18 +4,20 @@
 use core::fmt;
 
 use adcs_core::attitude::dynamic::DynamicError;
-use adcs_core::attitude::selection::{Estimator, EstimatorParameters};
+use adcs_core::attitude::selection::{Estimator, EstimatorParameters, Flies};
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
 use adcs_core::control::bang_bang::{BangBang, BangBangError, BangBangParameters};
 use adcs_core::control::cross_product::{CrossProduct, CrossProductError, CrossProductParameters};
 use adcs_core::control::feed_forward::{FeedForward, SigmaError};
-use adcs_core::control::guidance::{Aim, AimError, AimParameters};
+use adcs_core::control::guidance::{AimError, Guidance, GuidanceParameters};
+use adcs_core::control::periodic::{PeriodicError, PeriodicLaw, PeriodicParameters};
 use adcs_core::environment::sun_track::SunTrack;
+use adcs_core::modes::{Flown, ModeError, ModeParameters, ModeTable, Modes};
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
-use adcs_core::pipeline::{Configuration, Law, Pointing, Steering, SteeringParameters};
-use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
+use adcs_core::pipeline::{Configuration, Law, Pointing, RateFrom, Steering, SteeringParameters};
+use adcs_core::schedule::{Round, Schedule, ScheduleError, ScheduleParameters};
 use adcs_core::sensing::{
     SunFaces, SunFacesError, SunFacesParameters, Triad, TriadError, TriadParameters,
 };
@@ -37,8 +39,39 @@ pub enum LawParameters {
         /// Gains and terms.
         law: CrossProductParameters,
         /// Where to point.
-        aim: AimParameters,
+        guidance: GuidanceParameters,
     },
+    /// The same by the periodic optimal law.
+    Periodic {
+        /// Weights, horizon and inertia.
+        law: PeriodicParameters,
+        /// What flies while there is no plan.
+        unplanned: CrossProductParameters,
+        /// Where to point.
+        guidance: GuidanceParameters,
+    },
+}
+
+/// A law and what surrounds it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FlownParameters {
+    /// The law.
+    pub law: LawParameters,
+    /// What surrounds it.
+    pub steering: SteeringParameters,
+}
+
+/// The mode machine: its table, and which law flies in which mode. The law that points is the flight's
+/// own ([`FlightParameters::law`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ModesParameters {
+    /// When to go from mode to mode.
+    pub table: ModeParameters,
+    /// What detumbles. While the attitude is acquired it flies on, with the rate of stage II and the
+    /// feed-forward of the law that points.
+    pub despin: FlownParameters,
+    /// What flies in an experiment; `None` when there is none.
+    pub experiment: Option<FlownParameters>,
 }
 
 /// Everything that a satellite team configures for its flight.
@@ -48,10 +81,12 @@ pub struct FlightParameters {
     pub cycle_us: u32,
     /// When to rest and when to act.
     pub schedule: ScheduleParameters,
-    /// The law of stage III.
+    /// The law of stage III; with modes, that of pointing.
     pub law: LawParameters,
     /// What surrounds the law.
     pub steering: SteeringParameters,
+    /// The mode machine; `None` to fly the one law from start to end.
+    pub modes: Option<ModesParameters>,
     /// The gyros' correction; rad/s.
     pub gyro: TriadParameters,
     /// The magnetometer's correction; T.
@@ -78,8 +113,12 @@ pub enum ParameterError {
     BangBang(BangBangError),
     /// The cross-product law's gains or inertia.
     CrossProduct(CrossProductError),
-    /// The attitude to be held.
+    /// The periodic optimal law's weights, horizon or inertia.
+    Periodic(PeriodicError),
+    /// Where to point, or how to get there.
     Aim(AimError),
+    /// The mode machine's table or laws.
+    Modes(ModeError),
     /// The accuracy from which on the residual dipole is fed forward.
     FeedForward(SigmaError),
     /// The gyros' correction.
@@ -103,7 +142,9 @@ impl fmt::Display for ParameterError {
             Self::Gain(error) => write!(f, "law: {error}"),
             Self::BangBang(error) => write!(f, "law: {error}"),
             Self::CrossProduct(error) => write!(f, "law: {error}"),
+            Self::Periodic(error) => write!(f, "law: {error}"),
             Self::Aim(error) => write!(f, "law: {error}"),
+            Self::Modes(error) => write!(f, "modes: {error}"),
             Self::FeedForward(error) => write!(f, "law: {error}"),
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
@@ -129,11 +170,72 @@ impl LawParameters {
             Self::BangBang(law) => {
                 Law::BangBang(BangBang::new(law).map_err(ParameterError::BangBang)?)
             }
-            Self::CrossProduct { law, aim } => Law::Pointing(Pointing {
+            Self::CrossProduct { law, guidance } => Law::Pointing(Pointing {
                 law: CrossProduct::new(law).map_err(ParameterError::CrossProduct)?,
-                aim: Aim::new(aim).map_err(ParameterError::Aim)?,
+                periodic: None,
+                guidance: Guidance::new(guidance).map_err(ParameterError::Aim)?,
+            }),
+            Self::Periodic { law, unplanned, guidance } => Law::Pointing(Pointing {
+                law: CrossProduct::new(unplanned).map_err(ParameterError::CrossProduct)?,
+                periodic: Some(PeriodicLaw::new(law).map_err(ParameterError::Periodic)?),
+                guidance: Guidance::new(guidance).map_err(ParameterError::Aim)?,
             }),
         })
+    }
+}
+
+impl FlownParameters {
+    #[inline(never)]
+    /// Accepts the law and what surrounds it.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with what is refused.
+    pub fn accept(&self, round: Round) -> Result<Flown, ParameterError> {
+        let SteeringParameters { rate, cut_hold, feed_forward_sigma_am2 } = self.steering;
+        let feed_forward = feed_forward_sigma_am2.map(FeedForward::new).transpose();
+        let feed_forward = feed_forward.map_err(ParameterError::FeedForward)?;
+        let steering = Steering { rate, cut_hold, feed_forward, round };
+        Ok(Flown { law: self.law.accept()?, steering })
+    }
+}
+
+impl ModesParameters {
+    /// Accepts the mode machine beside the law that points and the filters of stage II.
+    ///
+    /// # Errors
+    /// [`ParameterError`] with what is refused.
+    pub fn accept(
+        &self,
+        pointing: &Flown,
+        attitude: Option<&EstimatorParameters>,
+    ) -> Result<Modes, ParameterError> {
+        let despin = self.despin.accept(pointing.steering.round)?;
+        let experiment =
+            self.experiment.map(|it| it.accept(pointing.steering.round)).transpose()?;
+        let table = ModeTable::new(&self.table, experiment.is_some());
+        let table = table.map_err(ParameterError::Modes)?;
+        let refusal = match attitude {
+            _ if matches!(despin.law, Law::Off) || despin.law.points() => {
+                Some(ModeError::NotDespin)
+            }
+            _ if !pointing.law.points() => Some(ModeError::NotPointing),
+            None => Some(ModeError::NoAttitude),
+            Some(EstimatorParameters { flies: Flies::Mekf, .. })
+                if self.table.dipole_sigma_am2.is_some() =>
+            {
+                Some(ModeError::NoDipole)
+            }
+            Some(_) => None,
+        };
+        if let Some(error) = refusal {
+            return Err(ParameterError::Modes(error));
+        }
+        let acquire = Steering {
+            rate: RateFrom::Estimate,
+            feed_forward: pointing.steering.feed_forward,
+            ..despin.steering
+        };
+        Ok(Modes { table, despin, acquire, experiment })
     }
 }
 
@@ -145,15 +247,11 @@ impl FlightParameters {
     pub fn accept(&self) -> Result<(Schedule, Configuration), ParameterError> {
         let schedule =
             Schedule::new(&self.schedule, self.cycle_us).map_err(ParameterError::Schedule)?;
-        let law = self.law.accept()?;
-        let SteeringParameters { rate, cut_hold, feed_forward_sigma_am2 } = self.steering;
-        let feed_forward = feed_forward_sigma_am2.map(FeedForward::new);
-        let steering = Steering {
-            rate,
-            cut_hold,
-            feed_forward: feed_forward.transpose().map_err(ParameterError::FeedForward)?,
-            round: self.schedule.round(),
-        };
+        let flown = FlownParameters { law: self.law, steering: self.steering };
+        let flown = flown.accept(self.schedule.round())?;
+        let modes = self.modes.map(|modes| modes.accept(&flown, self.attitude.as_ref()));
+        let modes = modes.transpose()?;
+        let Flown { law, steering } = flown;
         let orbit = match &self.elements {
             Some(elements) => {
                 let model = OrbitModel::new(elements).map_err(ParameterError::Orbit)?;
@@ -172,6 +270,7 @@ impl FlightParameters {
             estimator: estimator.transpose().map_err(ParameterError::Attitude)?,
             law,
             steering,
+            modes,
             allocation: Allocation::new(&self.torquers).map_err(ParameterError::Torquers)?,
         };
         Ok((schedule, configuration))

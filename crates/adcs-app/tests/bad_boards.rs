@@ -26,6 +26,7 @@ fn despin() -> FlightParameters {
         schedule: ScheduleParameters { on_us: 1_000_000, off_us: 500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
         steering: SteeringParameters::default(),
+        modes: None,
         gyro: TriadParameters::default(),
         magnetometer: TriadParameters::default(),
         sun_sensors: Some(SunFacesParameters::SPROUT),

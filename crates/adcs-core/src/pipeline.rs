@@ -10,8 +10,10 @@ use crate::environment::field::FieldModel;
 use crate::environment::sun_track::{SunNodes, SunTrack};
 use crate::environment::sunlight::Sunlight;
 use crate::frames::{Body, Direction, Eci, GyroAxes, MagnetometerAxes, TorquerAxes, Vector};
+use crate::modes::{Mode, ModeReport, Modes, ModesState, Sight, sight::Heard};
 use crate::orbit::OrbitState;
 use crate::orbit::interpolated::{InterpolatedOrbit, OrbitNodes};
+use crate::planning::{Models, PlanningState};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::sun_faces::FACES;
@@ -35,10 +37,12 @@ pub struct Configuration {
     pub sun_faces: Option<SunFaces>,
     /// Stage II; `None` while attitude is not needed.
     pub estimator: Option<Estimator>,
-    /// The law of stage III.
+    /// The law of stage III; with modes, that of [`Mode::Point`].
     pub law: Law,
     /// What surrounds the law.
     pub steering: Steering,
+    /// The mode machine; `None` to fly the one law.
+    pub modes: Option<Modes>,
     /// From the wanted dipole to the torquers.
     pub allocation: Allocation,
 }
@@ -52,6 +56,8 @@ pub struct State {
     frozen_gyro: Frozen,
     frozen_magnetometer: Frozen,
     determination: StageState,
+    modes: ModesState,
+    planning: PlanningState,
     steering: SteeringState,
 }
 
@@ -70,6 +76,8 @@ pub struct Inputs {
     pub sun_a: [Reading<[f32; 4]>; FACES],
     /// What the torquers carried since the last cycle, A·m².
     pub carried: Vector<TorquerAxes>,
+    /// A mode that the ground asks for.
+    pub commanded: Option<Mode>,
 }
 
 /// What one cycle thought.
@@ -92,8 +100,13 @@ pub struct Thoughts {
     pub sun_b: SunSighting,
     /// Attitude and rate, and where they come from; `None` when stage II does not fly.
     pub determination: Option<Determination>,
+    /// What the mode machine says; `None` without modes.
+    pub mode: Option<ModeReport>,
     /// What stage III did.
     pub control: ControlStatus,
+    /// Angle from Body to the target, rad, as believed when this round was decided; `None` in a rest, and
+    /// when no attitude is aimed at.
+    pub pointing_error_rad: Option<f32>,
     /// What the torquers are asked for.
     pub command: Command,
 }
@@ -130,23 +143,60 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         .as_ref()
         .map(|estimator| state.determination.cycle(estimator, inputs.now, &sensed));
 
-    // Stage III: what to do about it.
-    let known =
-        Known { orbit: orbit.as_ref(), omega_bi, field_b, determination: determination.as_ref() };
-    let Configuration { law, steering, allocation, .. } = configuration;
+    // What the satellite is at.
     let at = (inputs.now, inputs.phase);
-    let decision = state.steering.cycle(law, steering, allocation, at, &known);
+    let lit = sunlight.and_then(|sunlight| sunlight.lit);
+    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit };
+    let mode = configuration.modes.as_ref().map(|modes| {
+        let error = state.steering.error_rad();
+        let sight = Sight::of(at, inputs.commanded, &heard, determination.as_ref(), error);
+        modes.cycle(&mut state.modes, &sight)
+    });
+    if mode.is_some_and(|report| report.transition.is_some()) {
+        state.steering.interrupt();
+    }
+
+    // Stage III: what to do about it.
+    let reference_sun = sunlight.map(|sunlight| sunlight.direction);
+    let models = Models {
+        orbit: configuration.orbit.as_ref().map(InterpolatedOrbit::model),
+        sun: &configuration.sun,
+    };
+    let known = Known {
+        reference_field,
+        gains: state.planning.cycle(&configuration.law, &models, inputs.now),
+        orbit: orbit.as_ref(),
+        sun: reference_sun,
+        omega_bi,
+        field_b,
+        determination: determination.as_ref(),
+    };
+    let (law, steering) = configuration.flown(mode);
+    let decision = state.steering.cycle(law, steering, &configuration.allocation, at, &known);
     Thoughts {
         orbit,
         reference_field,
-        reference_sun: sunlight.map(|sunlight| sunlight.direction),
-        sunlit: sunlight.and_then(|sunlight| sunlight.lit),
+        reference_sun,
+        sunlit: lit,
         omega_bi,
         field_b,
         sun_b,
         determination,
+        mode,
         control: decision.control,
+        pointing_error_rad: decision.error_rad,
         command: decision.command,
+    }
+}
+
+impl Configuration {
+    /// The law that flies, and what surrounds it.
+    fn flown(&self, mode: Option<ModeReport>) -> (&Law, &Steering) {
+        let pointing = (&self.law, &self.steering);
+        match (&self.modes, mode) {
+            (Some(modes), Some(report)) => modes.flown(report.mode, pointing),
+            _ => pointing,
+        }
     }
 }
 
@@ -211,7 +261,7 @@ mod tests {
     use crate::control::allocation::TorquerParameters;
     use crate::control::b_dot::{BDot, BDotGain};
     use crate::control::cross_product::{CrossProduct, CrossProductParameters};
-    use crate::control::guidance::Aim;
+    use crate::control::guidance::{Aim, Guidance};
     use crate::schedule::Round;
     use crate::sensing::{SunFacesParameters, TriadParameters};
     use crate::time::LeapSeconds;
@@ -238,6 +288,7 @@ mod tests {
                 feed_forward: None,
                 round: Round { on_s: 10.0, off_s: 2.5 },
             },
+            modes: None,
             allocation: Allocation::new(&TorquerParameters { max_dipole_am2: 0.6, alignment_xyzw })
                 .unwrap(),
         }
@@ -251,8 +302,8 @@ mod tests {
         let now = Utc::from_micros_since_2000(0);
         let mut sun_a = [Reading::Fresh([0.0; 4]); FACES];
         sun_a[2] = Reading::Fresh([40e-6; 4]);
-        let carried = Vector::zero();
-        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a, carried }
+        let (carried, commanded) = (Vector::zero(), None);
+        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a, carried, commanded }
     }
 
     #[test]
@@ -341,8 +392,9 @@ mod tests {
             gravity_gradient: false,
         };
         let law = CrossProduct::new(&law).unwrap();
+        let (guidance, periodic) = (Guidance { aim: Aim::Nadir, slew: None }, None);
         let (configuration, mut state) =
-            (despin(Law::Pointing(Pointing { law, aim: Aim::Nadir })), State::default());
+            (despin(Law::Pointing(Pointing { law, periodic, guidance })), State::default());
         let measured = cycle(&configuration, &mut state, &inputs(Phase::Measuring));
         assert_eq!(measured.control, ControlStatus::NoAttitude);
         assert_eq!(measured.command, Command::off());

@@ -428,3 +428,32 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_emulated_core_finds_these_bits() {
+    // The counting image (adcs-firmware, bench) calibrates the same readings and compares.
+    const CALIBRATED_BITS: [u32; 6] =
+        [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
+    let samples = (0..100_u32).map(|k| {
+        let [x, y, z] = [k * 7 % 11, k * 5 % 13, k * 3 % 7].map(|step| step as f32);
+        let [x, y, z] = [x - 4.5, y - 5.5, z - 3.5].map(|step| step * 6e-6);
+        Sample {
+            reading: [(x - 1e-5) / 0.9, (y + 8e-6) / 1.1, (z - 5e-6) / 1.2],
+            intensity: Vector3::new(x, y, z).norm(),
+        }
+    });
+    let start = Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 });
+    let found = calibrate(samples.clone(), &start).unwrap();
+    let [s_x, s_y, s_z] = found.scale.map(f32::to_bits);
+    let [b_x, b_y, b_z] = found.bias.map(f32::to_bits);
+    assert_eq!([s_x, s_y, s_z, b_x, b_y, b_z], CALIBRATED_BITS);
+    // And f64, the ground, agrees within some roundings.
+    let wide = samples.map(|Sample { reading, intensity }| Sample {
+        reading: reading.map(f64::from),
+        intensity: f64::from(intensity),
+    });
+    let ground =
+        calibrate(wide, &Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 })).unwrap();
+    let (scale, bias) = errors(&found, ground.scale, ground.bias);
+    assert!(scale < SINGLE_SCALE && bias * 1e9 < SINGLE_BIAS_NT, "{scale} {bias}");
+}

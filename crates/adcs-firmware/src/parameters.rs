@@ -12,8 +12,12 @@ use adcs_core::{
 use adcs_hal::driver_board::DriverBoardConfig;
 
 /// Neither scale, bias nor turn: the data sheet is right until a calibration says otherwise.
-const UNCALIBRATED: TriadParameters =
-    TriadParameters { scale: [1.0; 3], bias: [0.0; 3], alignment_xyzw: [0.0, 0.0, 0.0, 1.0] };
+const UNCALIBRATED: TriadParameters = TriadParameters {
+    scale: [1.0; 3],
+    cross_axis: [0.0; 3],
+    bias: [0.0; 3],
+    alignment_xyzw: [0.0, 0.0, 0.0, 1.0],
+};
 
 /// Despin as in the paper: gain 100000, torquers of ±0.6 A·m² on for 10 s, off for 2.5 s. Elements
 /// are not known after power-on; despin does without.
@@ -26,6 +30,7 @@ pub fn flight() -> FlightParameters {
         schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
         law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
         steering: SteeringParameters::default(),
+        modes: None,
         gyro: UNCALIBRATED,
         magnetometer: UNCALIBRATED,
         sun_sensors: Some(SunFacesParameters::SPROUT),

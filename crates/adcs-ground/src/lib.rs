@@ -8,6 +8,7 @@ pub mod emulator;
 pub mod ephemeris;
 pub mod filter_config;
 pub mod flight;
+pub mod identification;
 pub mod mission;
 pub mod omm_file;
 pub mod report;

@@ -35,6 +35,7 @@ enum Command {
     Attitude(commands::attitude::Args),
     Estimate(commands::estimate::Args),
     Calibrate(commands::calibrate::Args),
+    Identify(commands::identify::Args),
     /// How well filters, laws and guards do, over many simulated flights
     Study(commands::study::Args),
 }
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Command::Attitude(args) => Ok(commands::attitude::run(&args)),
         Command::Estimate(args) => Ok(commands::estimate::run(&args)),
         Command::Calibrate(args) => Ok(commands::calibrate::run(&args)),
+        Command::Identify(args) => Ok(commands::identify::run(&args)),
         Command::Study(args) => commands::study::run(&args),
     };
     result.unwrap_or_else(|error| {

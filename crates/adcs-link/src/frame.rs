@@ -13,7 +13,7 @@ use crate::digest::Digest;
 use crate::message::Message;
 
 /// No frame is longer than this, bytes. That of the longest message, a cycle with every field
-/// present, has 387 with its CRC, what COBS adds, and the zero.
+/// present, has 402 with its CRC, what COBS adds, and the zero.
 pub const MAX_FRAME: usize = 416;
 
 /// CRC-32 of the frames, as in Ethernet.
@@ -92,6 +92,7 @@ mod tests {
     };
     use adcs_core::attitude::mekf::Lost;
     use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
+    use adcs_core::modes::{Cause, Mode, ModeReport, Sensor, Transition};
     use adcs_core::pipeline::ControlStatus;
     use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
@@ -101,7 +102,7 @@ mod tests {
     use proptest::prelude::*;
 
     /// That of the doc comment of [`MAX_FRAME`].
-    const LONGEST_FRAME: usize = 387;
+    const LONGEST_FRAME: usize = 402;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -140,6 +141,17 @@ mod tests {
                 nis_field: Some(f32::MAX),
                 nis_sun: Some(f32::MAX),
             }),
+            mode: Some(ModeReport {
+                mode: Mode::Experiment,
+                transition: Some(Transition {
+                    from: Mode::Experiment,
+                    to: Mode::Experiment,
+                    cause: Cause::Silent(Sensor::SunSensors),
+                }),
+                refused: Some(Mode::Experiment),
+                retries: u8::MAX,
+            }),
+            pointing_error_rad: Some(f32::MAX),
             control: ControlStatus::NoField(MissingReason::TorquersOn),
             commanded_am2: [f32::MAX; 3],
             driven_am2: Some([f32::MAX; 3]),

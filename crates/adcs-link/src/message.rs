@@ -2,6 +2,7 @@
 //! name or in the field's doc line.
 
 use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
+use adcs_core::modes::ModeReport;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::Reading;
 use adcs_core::schedule::Phase;
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. A reader refuses any other: postcard carries no field names, so
 /// bytes of another version would decode into nonsense.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// One message.
 // The large variant is the one that is sent, every cycle; nothing ever holds many.
@@ -73,8 +74,13 @@ pub struct CycleRecord {
     pub sunlit: Option<f32>,
     /// What stage II believes; `None` when it does not fly.
     pub determination: Option<DeterminationRecord>,
+    /// The mode, and how it was entered; `None` when one law flies from start to end.
+    pub mode: Option<ModeReport>,
     /// What stage III made of it.
     pub control: ControlStatus,
+    /// Angle from Body to the target, rad, as believed when the round was decided; `None` in a rest, and
+    /// when no attitude is aimed at.
+    pub pointing_error_rad: Option<f32>,
     /// Dipole commanded, along the torquers' axes, A·m².
     pub commanded_am2: [f32; 3],
     /// Dipole that the hardware made of the command, A·m²; `None` when it refused and is off.

@@ -152,6 +152,9 @@ pub fn fly_board<B: Board, E>(
         let truth = world.borrow().truth(cycle);
         app.witness(&truth);
         sink(&Message::Truth(truth)).map_err(Stopped::Sink)?;
+        for command in scenario.commands.iter().flatten().filter(|it| it.cycle == cycle) {
+            app.command(command.enter);
+        }
         let record = app.cycle();
         sink(&Message::Cycle(record)).map_err(Stopped::Sink)?;
     }

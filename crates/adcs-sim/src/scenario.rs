@@ -3,6 +3,7 @@
 //! same bits.
 
 use adcs_app::FlightParameters;
+use adcs_core::modes::Mode;
 use adcs_core::sensing::{SunFaceParameters, SunFacesParameters};
 use adcs_core::time::Utc;
 use adcs_hal::driver_board::DriverBoardConfig;
@@ -14,7 +15,10 @@ use crate::devices::SpiFault;
 
 /// Version of this data and of the link messages that come back; both sides of an emulated flight
 /// check it.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
+
+/// As many commands can be given in a flight.
+pub const COMMANDS: usize = 8;
 
 /// One flight: the satellite's own parameters, and the truth it will meet.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -31,8 +35,19 @@ pub struct Scenario {
     pub converter_fault: Option<SpiFault>,
     /// What is really so.
     pub world: WorldParameters,
+    /// What the ground tells the satellite on the way, in the order of time.
+    pub commands: [Option<TimedCommand>; COMMANDS],
     /// How long to fly, in cycles of `flight.cycle_us`. One more is flown, at the very end.
     pub cycles: u32,
+}
+
+/// A command and when it reaches the satellite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TimedCommand {
+    /// The cycle that follows it.
+    pub cycle: u32,
+    /// The mode that is asked for.
+    pub enter: Mode,
 }
 
 /// How readings and commands cross the border of the board.

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// One of the six unknowns.
+/// One of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unknown {
@@ -10,14 +10,25 @@ pub enum Unknown {
     Scale(u8),
     /// Bias of this axis.
     Bias(u8),
+    /// A cross-axis term: 0 for xy, 1 for xz, 2 for yz.
+    CrossAxis(u8),
+    /// What a current does to an axis.
+    Coupling {
+        /// The current, from 0.
+        current: u8,
+        /// Axis 0, 1 or 2.
+        axis: u8,
+    },
 }
 
 impl Unknown {
-    /// From its place among the six.
+    /// From its place among the unknowns.
     pub(super) fn at(index: usize) -> Self {
         match index as u8 {
             axis @ 0..=2 => Self::Scale(axis),
-            later => Self::Bias(later.saturating_sub(3)),
+            bias @ 3..=5 => Self::Bias(bias - 3),
+            pair @ 6..=8 => Self::CrossAxis(pair - 6),
+            later => Self::Coupling { current: (later - 9) / 3, axis: later % 3 },
         }
     }
 }
@@ -28,6 +39,17 @@ impl fmt::Display for Unknown {
         match self {
             Self::Scale(axis) => write!(f, "the scale of axis {axis}"),
             Self::Bias(axis) => write!(f, "the bias of axis {axis}"),
+            Self::CrossAxis(pair) => {
+                let axes = match pair {
+                    0 => "x and y",
+                    1 => "x and z",
+                    _ => "y and z",
+                };
+                write!(f, "the angle between {axes}")
+            }
+            Self::Coupling { current, axis } => {
+                write!(f, "the coupling of current {current} to axis {axis}")
+            }
         }
     }
 }
@@ -61,6 +83,13 @@ pub enum CalibrationError {
         /// Axis 0, 1 or 2.
         axis: u8,
         /// What it shows.
+        found: f32,
+    },
+    /// A current shows the same value in all samples: what it does cannot be told from a bias.
+    ConstantCurrent {
+        /// The current, from 0.
+        index: u8,
+        /// Its largest value.
         found: f32,
     },
     /// The sensitivity to start from is not finite and positive.
@@ -118,6 +147,10 @@ impl fmt::Display for CalibrationError {
             Self::Constant { axis, found } => {
                 write!(f, "axis {axis} shows {found} in all samples")
             }
+            Self::ConstantCurrent { index, found } => write!(
+                f,
+                "current {index} is {found} in all samples: what it does cannot be told from a bias"
+            ),
             Self::Sensitivity { found } => {
                 write!(f, "the sensitivity {found} must be finite and positive")
             }

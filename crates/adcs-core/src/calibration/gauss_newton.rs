@@ -18,6 +18,7 @@
 
 use nalgebra::{RealField, SMatrix, SVector};
 
+use super::descent::{Descent, MAX_PASSES, Pass, Problem, descend};
 use super::error::{CalibrationError, Unknown};
 use super::symmetric::Spectrum;
 use super::{
@@ -27,25 +28,10 @@ use super::{
 
 /// Two samples for each unknown: with fewer, the residuals say little about the noise.
 pub const MIN_SAMPLES: u32 = 2 * UNKNOWNS as u32;
-/// Walks through the samples; from the data sheet it takes about ten.
-pub const MAX_PASSES: u32 = 60;
 /// Above this condition of the scaled JᵀJ, the combination of unknowns known least is uncertain by 100
 /// times what the best one is: 1 % of noise then is the whole of it.
 pub const MAX_CONDITION: f64 = 1e4;
 
-/// λ of the first shortened step, as Marquardt (1963) begins.
-const FIRST_DAMPING: f64 = 1e-2;
-/// Growth when a step is taken back, decline when one is good (Marquardt 1963).
-const DAMPING_FACTOR: f64 = 10.0;
-/// λ that makes no difference to a step any more.
-const LEAST_DAMPING: f64 = 1e-5;
-/// The last step, relative to sensor and field. A step squares or at least divides the error by ten:
-/// what remains is far below 1e-3 nT.
-const CONVERGED: f64 = 1e-11;
-/// The same where rounding is coarser, in roundings.
-const CONVERGED_ROUNDINGS: f64 = 50.0;
-/// How much E may seem to rise by the rounding of its sum, in roundings.
-const COST_ROUNDINGS: f64 = 50.0;
 /// A scale of fewer sigmas may as well be zero.
 const SIGNIFICANT: f64 = 3.0;
 
@@ -74,39 +60,63 @@ where
         Start::DataSheet(data_sheet) => units.start(data_sheet)?,
         Start::Linear { .. } => linear::start(scaled.clone())?,
     };
-    let found = descend(&scaled, start)?;
+    let found = descend(&Walk(&scaled), start)?;
 
-    let spectrum = Spectrum::of(&found.pass.normal);
-    let condition = spectrum.condition();
-    let limit = number(MAX_CONDITION);
-    // A NaN fails the comparison.
-    let supported = condition <= limit;
-    if !supported {
-        return Err(CalibrationError::PoorGeometry {
-            condition: shown(condition),
-            limit: shown(limit),
-            weakest: Unknown::at(spectrum.weakest()),
-        });
-    }
+    supported(&found.pass.normal)?;
     if !found.converged {
         return Err(CalibrationError::NotConverged { passes: MAX_PASSES });
     }
     let x = positive_scales(&found.x);
-    units.calibration(samples, &scaled, x, &found, &Spectrum::of(&pass(&scaled, &x).normal))
+    units.calibration(samples, &scaled, x, &found, &Spectrum::of(&Walk(&scaled).pass(&x).normal))
+}
+
+/// Whether the directions tell all unknowns apart.
+pub(super) fn supported<T: RealField + Copy, const N: usize>(
+    normal: &SMatrix<T, N, N>,
+) -> Result<(), CalibrationError> {
+    let spectrum = Spectrum::of(normal);
+    let (condition, limit) = (spectrum.condition(), number(MAX_CONDITION));
+    // A NaN fails the comparison.
+    if condition <= limit {
+        return Ok(());
+    }
+    Err(CalibrationError::PoorGeometry {
+        condition: shown(condition),
+        limit: shown(limit),
+        weakest: Unknown::at(spectrum.weakest()),
+    })
+}
+
+/// Whether all axes answer to the field.
+pub(super) fn answering<T: RealField + Copy>(
+    scale: [T; 3],
+    sigma: [T; 3],
+) -> Result<(), CalibrationError> {
+    for ((found, sigma), axis) in scale.into_iter().zip(sigma).zip(0..) {
+        let answers = found > sigma * number(SIGNIFICANT);
+        if !answers {
+            let (found, sigma) = (shown(found), shown(sigma));
+            return Err(CalibrationError::NoScale { axis, found, sigma });
+        }
+    }
+    Ok(())
 }
 
 /// Zero, largest readings and strongest field: the units in which all is computed.
 #[derive(Debug, Clone, Copy)]
-struct Units<T> {
-    zero: T,
-    reading: [T; 3],
-    intensity: T,
-    samples: u32,
+pub(super) struct Units<T> {
+    pub(super) zero: T,
+    pub(super) reading: [T; 3],
+    pub(super) intensity: T,
+    pub(super) samples: u32,
 }
 
 impl<T: RealField + Copy> Units<T> {
     /// Looks all samples over.
-    fn of(samples: impl Iterator<Item = Sample<T>>, zero: T) -> Result<Self, CalibrationError> {
+    pub(super) fn of(
+        samples: impl Iterator<Item = Sample<T>>,
+        zero: T,
+    ) -> Result<Self, CalibrationError> {
         if !zero.is_finite() {
             return Err(CalibrationError::Zero { found: shown(zero) });
         }
@@ -131,9 +141,7 @@ impl<T: RealField + Copy> Units<T> {
             found.intensity = found.intensity.max(intensity);
             found.samples = found.samples.saturating_add(1);
         }
-        if found.samples < MIN_SAMPLES {
-            return Err(CalibrationError::TooFew { found: found.samples, needed: MIN_SAMPLES });
-        }
+        found.at_least(MIN_SAMPLES)?;
         let constant = varies.iter().zip(first.unwrap_or(found.reading)).zip(0..);
         for ((varies, value), axis) in constant {
             if !varies {
@@ -143,7 +151,13 @@ impl<T: RealField + Copy> Units<T> {
         Ok(found)
     }
 
-    fn scaled(&self, Sample { reading: [x, y, z], intensity }: Sample<T>) -> Sample<T> {
+    /// Whether there are enough samples.
+    pub(super) fn at_least(&self, needed: u32) -> Result<(), CalibrationError> {
+        let found = self.samples;
+        if found < needed { Err(CalibrationError::TooFew { found, needed }) } else { Ok(()) }
+    }
+
+    pub(super) fn scaled(&self, Sample { reading: [x, y, z], intensity }: Sample<T>) -> Sample<T> {
         let ([u_x, u_y, u_z], zero) = (self.reading, self.zero);
         Sample {
             reading: [(x - zero) / u_x, (y - zero) / u_y, (z - zero) / u_z],
@@ -157,7 +171,7 @@ impl<T: RealField + Copy> Units<T> {
         SVector::from([x, y, z, self.intensity, self.intensity, self.intensity])
     }
 
-    fn start(
+    pub(super) fn start(
         &self,
         &DataSheet { sensitivity, .. }: &DataSheet<T>,
     ) -> Result<SVector<T, UNKNOWNS>, CalibrationError> {
@@ -175,7 +189,7 @@ impl<T: RealField + Copy> Units<T> {
         samples: I,
         scaled: &(impl Iterator<Item = Sample<T>> + Clone),
         x: SVector<T, UNKNOWNS>,
-        found: &Descent<T>,
+        found: &Descent<T, UNKNOWNS>,
         spectrum: &Spectrum<T, UNKNOWNS>,
     ) -> Result<Calibration<T>, CalibrationError> {
         let count = number::<T>(f64::from(self.samples));
@@ -205,13 +219,7 @@ impl<T: RealField + Copy> Units<T> {
             iterations: found.steps,
         };
         let (sigma, _) = calibration.sigma();
-        for ((found, sigma), axis) in scale.into_iter().zip(sigma).zip(0..) {
-            let answers = found > sigma * number(SIGNIFICANT);
-            if !answers {
-                let (found, sigma) = (shown(found), shown(sigma));
-                return Err(CalibrationError::NoScale { axis, found, sigma });
-            }
-        }
+        answering(scale, sigma)?;
         if calibration.is_finite() { Ok(calibration) } else { Err(CalibrationError::OutOfRange) }
     }
 }
@@ -225,74 +233,22 @@ impl<T: RealField + Copy> Calibration<T> {
     }
 }
 
-/// Sums over all samples, at one x.
-#[derive(Debug, Clone, Copy)]
-struct Pass<T: RealField + Copy> {
-    /// Σ r²
-    cost: T,
-    /// Jᵀr
-    gradient: SVector<T, UNKNOWNS>,
-    /// JᵀJ
-    normal: SMatrix<T, UNKNOWNS, UNKNOWNS>,
-}
+/// The samples, walked through at each x.
+struct Walk<'a, I>(&'a I);
 
-/// Where the descent ended.
-#[derive(Debug, Clone, Copy)]
-struct Descent<T: RealField + Copy> {
-    x: SVector<T, UNKNOWNS>,
-    /// At `x`.
-    pass: Pass<T>,
-    steps: u32,
-    converged: bool,
-}
-
-fn descend<T: RealField + Copy>(
-    samples: &(impl Iterator<Item = Sample<T>> + Clone),
-    start: SVector<T, UNKNOWNS>,
-) -> Result<Descent<T>, CalibrationError> {
-    let rounding = T::default_epsilon();
-    let small = number::<T>(CONVERGED).max(rounding * number(CONVERGED_ROUNDINGS));
-    let slack = T::one() + rounding * number(COST_ROUNDINGS);
-    let mut at = Descent { x: start, pass: pass(samples, &start), steps: 0, converged: false };
-    if !at.pass.cost.is_finite() {
-        return Err(CalibrationError::OutOfRange);
-    }
-    let mut damping = T::zero();
-    for _ in 0..MAX_PASSES {
-        let step = Spectrum::of(&at.pass.normal).step(&at.pass.gradient, damping);
-        let x = at.x + step;
-        let next = pass(samples, &x);
-        // Of unknowns of order one. Neither comparison holds for a NaN.
-        let last = step.amax() <= small;
-        if next.cost <= at.pass.cost * slack {
-            at = Descent { x, pass: next, steps: at.steps + 1, converged: last };
-            damping /= number(DAMPING_FACTOR);
-            if damping < number(LEAST_DAMPING) {
-                damping = T::zero();
-            }
-        } else {
-            at.converged = last;
-            damping = (damping * number(DAMPING_FACTOR)).max(number(FIRST_DAMPING));
+impl<T, I> Problem<T, UNKNOWNS> for Walk<'_, I>
+where
+    T: RealField + Copy,
+    I: Iterator<Item = Sample<T>> + Clone,
+{
+    fn pass(&self, x: &SVector<T, UNKNOWNS>) -> Pass<T, UNKNOWNS> {
+        let mut sums = Pass::zero();
+        for sample in self.0.clone() {
+            let (residual, row) = linearised(&sample, x);
+            sums.add(residual, &row);
         }
-        if at.converged {
-            break;
-        }
+        sums
     }
-    Ok(at)
-}
-
-fn pass<T: RealField + Copy>(
-    samples: &(impl Iterator<Item = Sample<T>> + Clone),
-    x: &SVector<T, UNKNOWNS>,
-) -> Pass<T> {
-    let mut sums = Pass { cost: T::zero(), gradient: SVector::zeros(), normal: SMatrix::zeros() };
-    for sample in samples.clone() {
-        let (residual, row) = linearised(&sample, x);
-        sums.cost += residual * residual;
-        sums.gradient += row * residual;
-        sums.normal += row * row.transpose();
-    }
-    sums
 }
 
 /// Σ r² j jᵀ, j being a row of J: how much the gradient scatters with the noise.

@@ -35,15 +35,29 @@
 //!
 //! Derivation, pitfalls: docs/calibration.
 
+pub mod axes;
+mod descent;
 mod error;
+mod evidence;
+mod extended;
 mod gauss_newton;
 mod linear;
+mod parameters;
+mod sums;
 mod symmetric;
+mod twostep;
 
 use nalgebra::{RealField, SMatrix, SVector, convert, convert_unchecked};
 
+pub use descent::MAX_PASSES;
 pub use error::{CalibrationError, Unknown};
-pub use gauss_newton::{MAX_CONDITION, MAX_PASSES, MIN_SAMPLES, calibrate};
+pub use evidence::{Evidence, VERY_STRONG};
+pub use extended::{CoupledSample, Extended, NoiseShift, calibrate_extended};
+pub use gauss_newton::{MAX_CONDITION, MIN_SAMPLES, calibrate};
+pub use parameters::Parameters;
+pub use sums::{Recursive, Sums};
+pub(crate) use symmetric::Spectrum;
+pub use twostep::{TwoStep, twostep};
 
 /// The unknowns: scale of x, y, z, then bias of x, y, z.
 pub const UNKNOWNS: usize = 6;

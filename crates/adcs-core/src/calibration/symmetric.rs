@@ -3,7 +3,7 @@
 //!
 //! Source: Golub & Van Loan, Matrix Computations, 4th ed., §8.5 (the cyclic Jacobi method).
 
-use nalgebra::{RealField, SMatrix, SVector};
+use nalgebra::{Matrix3, RealField, SMatrix, SVector};
 
 use super::number;
 
@@ -13,7 +13,7 @@ const MAX_SWEEPS: usize = 12;
 /// A symmetric matrix taken apart after its rows and columns were scaled to a diagonal of ones:
 /// D⁻¹ N D⁻¹ = Q diag(λ) Qᵀ, D² = diag(N).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spectrum<T: RealField + Copy, const N: usize> {
+pub(crate) struct Spectrum<T: RealField + Copy, const N: usize> {
     /// 1 / D
     inverse_scale: SVector<T, N>,
     values: SVector<T, N>,
@@ -26,18 +26,7 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
         let inverse_scale =
             normal.diagonal().map(|d| if d > T::zero() { T::one() / d.sqrt() } else { T::zero() });
         let mut a = normal.component_mul(&(inverse_scale * inverse_scale.transpose()));
-        let mut vectors = SMatrix::<T, N, N>::identity();
-        for _ in 0..MAX_SWEEPS {
-            let mut turned = false;
-            for p in 0..N {
-                for q in p + 1..N {
-                    turned |= annihilate(&mut a, &mut vectors, p, q);
-                }
-            }
-            if !turned {
-                break;
-            }
-        }
+        let vectors = diagonalise(&mut a);
         Self { inverse_scale, values: a.diagonal(), vectors }
     }
 
@@ -74,6 +63,32 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
     fn rounding(&self) -> T {
         T::default_epsilon() * number(4.0 * N as f64)
     }
+}
+
+/// The symmetric root of a positive matrix whose entries are of order one; eigenvalues below zero count
+/// as zero.
+pub(super) fn square_root<T: RealField + Copy>(matrix: &Matrix3<T>) -> Matrix3<T> {
+    let mut a = *matrix;
+    let vectors = diagonalise(&mut a);
+    let roots = a.diagonal().map(|value| value.max(T::zero()).sqrt());
+    vectors * Matrix3::from_diagonal(&roots) * vectors.transpose()
+}
+
+/// Turns a symmetric matrix until it is diagonal; the columns of the result are its eigenvectors.
+fn diagonalise<T: RealField + Copy, const N: usize>(a: &mut SMatrix<T, N, N>) -> SMatrix<T, N, N> {
+    let mut vectors = SMatrix::<T, N, N>::identity();
+    for _ in 0..MAX_SWEEPS {
+        let mut turned = false;
+        for p in 0..N {
+            for q in p + 1..N {
+                turned |= annihilate(a, &mut vectors, p, q);
+            }
+        }
+        if !turned {
+            break;
+        }
+    }
+    vectors
 }
 
 /// Turns the plane of `p` and `q` until their coupling is zero; whether there was any.
@@ -113,7 +128,7 @@ fn annihilate<T: RealField + Copy, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3, Vector3};
+    use nalgebra::Vector3;
     use proptest::prelude::*;
 
     /// Of products of numbers of order one whose condition is up to 10⁴.

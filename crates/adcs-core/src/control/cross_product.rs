@@ -115,13 +115,21 @@ impl<T: RealField + Copy> PointingError<T> {
     }
 }
 
-/// Where the Earth's centre is, as far as the gravity gradient is concerned.
+/// Where the Earth's centre is, as far as the gravity gradient is concerned, in the axes F.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gravity<T: RealField + Copy = f32> {
-    /// Unit vector from the Earth's centre to the satellite, Body.
-    pub up: Vector<Body, T>,
+pub struct Gravity<F = Body, T: RealField + Copy = f32> {
+    /// Unit vector from the Earth's centre to the satellite.
+    pub up: Vector<F, T>,
     /// 3 μ / r³, 1/s².
     pub gradient: T,
+}
+
+impl<F, T: RealField + Copy> Gravity<F, T> {
+    /// T_gg of a body with this tensor in the same axes, N·m.
+    pub fn torque(&self, inertia_kg_m2: &Matrix3<T>) -> Vector<F, T> {
+        let up = &self.up.xyz;
+        Vector::from_xyz(up.cross(&(inertia_kg_m2 * up)) * self.gradient)
+    }
 }
 
 /// The law with accepted parameters.
@@ -173,14 +181,14 @@ impl<T: RealField + Copy> CrossProduct<T> {
         &self,
         error: &PointingError<T>,
         omega_bi: Vector<Body, T>,
-        gravity: Option<&Gravity<T>>,
+        gravity: Option<&Gravity<Body, T>>,
     ) -> Vector<Body, T> {
         let mut torque = -(error.attitude.xyz * self.stiffness + error.rate.xyz * self.damping);
         if self.gyroscopic {
             torque += omega_bi.xyz.cross(&(self.inertia * omega_bi.xyz));
         }
-        if let Some(Gravity { up, gradient }) = gravity.filter(|_| self.gravity_gradient) {
-            torque -= up.xyz.cross(&(self.inertia * up.xyz)) * *gradient;
+        if let Some(gravity) = gravity.filter(|_| self.gravity_gradient) {
+            torque -= gravity.torque(&self.inertia).xyz;
         }
         Vector::from_xyz(torque)
     }

@@ -7,3 +7,4 @@ pub mod cross_product;
 pub mod feed_forward;
 pub mod guidance;
 pub mod hold;
+pub mod periodic;

@@ -156,17 +156,20 @@ pub struct Filters {
 
 impl Default for Filters {
     fn default() -> Self {
-        let parameters = DynamicParameters::default();
-        Self {
-            mekf: Mekf::new(&parameters.sensors).expect("accepted"),
-            kinematic: MekfState::default(),
-            filter: DynamicFilter::new(&parameters).expect("accepted"),
-            dynamic: DynamicState::default(),
-        }
+        Self::new(&DynamicParameters::default())
     }
 }
 
 impl Filters {
+    pub fn new(parameters: &DynamicParameters<f32>) -> Self {
+        Self {
+            mekf: Mekf::new(&parameters.sensors).expect("accepted"),
+            kinematic: MekfState::default(),
+            filter: DynamicFilter::new(parameters).expect("accepted"),
+            dynamic: DynamicState::default(),
+        }
+    }
+
     pub fn cycle(&mut self, inputs: &DynamicInputs) -> (mekf::Output, DynamicOutput) {
         let kinematic = self.mekf.cycle(&mut self.kinematic, &inputs.sensors);
         (kinematic, self.filter.cycle(&mut self.dynamic, inputs, &kinematic))

@@ -1,4 +1,5 @@
 //! What a filter may be handed by what is broken.
+#![allow(dead_code)] // each test uses its part
 
 use adcs_core::frames::Vector;
 use proptest::prelude::*;

@@ -2,22 +2,45 @@
 
 mod chart;
 mod input;
+mod models;
+mod naming;
+mod outcome;
 
 use std::fmt;
 
 use adcs_core::calibration::{
-    Calibration, CalibrationError, DataSheet, MIN_SAMPLES, NormError, Sample, Start, calibrate,
-    norm_error,
+    CalibrationError, DataSheet, Evidence, MIN_SAMPLES, Parameters, Start,
 };
-use nalgebra::RealField;
-use serde::Serialize;
+use nalgebra::SVector;
 
-pub use chart::chart;
-pub use input::{Measured, bind};
+pub use chart::{angle_chart, chart};
+pub use input::{Columns, Currents, Measured};
+pub use naming::Naming;
+pub use outcome::{Correction, Coupling, Judged, Outcome, Range};
+
+/// Most unknowns that a fit has: nine, and three for each of six currents.
+const MAX_UNKNOWNS: usize = 27;
+
+/// Which errors are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// Scale and bias of each axis.
+    Paper,
+    /// Angles between the axes too.
+    Nine,
+    /// The same nine by TWOSTEP.
+    TwoStep,
+    /// What currents nearby do, too.
+    Coupled,
+    /// What the data ask for.
+    Auto,
+}
 
 /// What is asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request<'a> {
+    /// Which errors are looked for.
+    pub model: Model,
     /// Where searches begin, nT/V and V. The solution with the least cost is taken: E has more minima
     /// than one, and a start far away may end in a wrong one.
     pub starts: &'a [Start<f64>],
@@ -27,106 +50,136 @@ pub struct Request<'a> {
     pub driver: DataSheet<f64>,
     /// Whether to compute in f32, as the satellite does.
     pub single: bool,
+    /// Whether to take out the shift that noise makes in |B|².
+    pub unbiased: bool,
+    /// The currents that the table has.
+    pub currents: Currents,
+    /// The satellite's tensor, for the naming of axes.
+    pub inertia_kg_m2: [[f64; 3]; 3],
 }
 
-/// The result, as it is written to `OUT.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Outcome {
-    /// Which errors were sought.
-    pub model: &'static str,
-    /// s of B = s ∘ V + b.
-    pub scale_nt_per_v: [f64; 3],
-    /// b.
-    pub bias_nt: [f64; 3],
-    /// Standard deviation of s.
-    pub scale_sigma_nt_per_v: [f64; 3],
-    /// Standard deviation of b.
-    pub bias_sigma_nt: [f64; 3],
-    /// Σ (|B|² − |B_IGRF|²)².
-    pub cost_nt4: f64,
-    /// How many samples were used.
-    pub samples: u32,
-    /// Steps of the search.
-    pub iterations: u32,
-    /// Condition of the scaled normal matrix.
-    pub condition: f64,
-    /// |B| − |B_IGRF| by the data sheet.
-    pub norm_error_before_nt: Range,
-    /// The same with s and b.
-    pub norm_error_after_nt: Range,
-    /// What the flight software takes.
-    pub correction: Correction,
+/// Why there is no calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Unsolved {
+    /// What the samples do not support.
+    Calibration(CalibrationError),
+    /// Couplings were asked for, and there are no currents.
+    NoCurrents,
 }
 
-/// Of |B| − |B_IGRF|, nT.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Range {
-    /// Least.
-    pub min: f64,
-    /// Largest.
-    pub max: f64,
-    /// Root mean square.
-    pub rms: f64,
-}
-
-/// Section `[magnetometer.calibration]` of a mission: field = scale · reading − bias.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Correction {
-    /// Factor on what the driver gives.
-    pub scale: [f64; 3],
-    /// Subtracted after it.
-    pub bias_nt: [f64; 3],
-}
-
-impl From<NormError<f64>> for Range {
-    fn from(NormError { min, max, rms }: NormError<f64>) -> Self {
-        Self { min, max, rms }
+impl fmt::Display for Unsolved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Calibration(error) => error.fmt(f),
+            Self::NoCurrents => {
+                write!(f, "--model coupled needs columns current_1_a, current_2_a, …, or a history")
+            }
+        }
     }
+}
+
+impl std::error::Error for Unsolved {}
+
+impl From<CalibrationError> for Unsolved {
+    fn from(error: CalibrationError) -> Self {
+        Self::Calibration(error)
+    }
+}
+
+/// What one model found, in f64 whichever precision it was found in.
+#[derive(Debug, Clone, PartialEq)]
+struct Fit {
+    /// In the order of [`Parameters`].
+    unknowns: Vec<f64>,
+    sigma: Vec<f64>,
+    cost: f64,
+    condition: Option<f64>,
+    samples: u32,
+    iterations: Option<u32>,
+    evidence: Evidence,
+}
+
+impl Fit {
+    fn parameters(&self) -> Parameters<f64, MAX_UNKNOWNS> {
+        padded(&self.unknowns)
+    }
+
+    fn sigmas(&self) -> Parameters<f64, MAX_UNKNOWNS> {
+        padded(&self.sigma)
+    }
+
+    /// The calibrated field, nT.
+    fn field(&self, measured: &Measured) -> [f64; 3] {
+        self.parameters().field(measured.sample.reading, &measured.currents)
+    }
+}
+
+fn padded(values: &[f64]) -> Parameters<f64, MAX_UNKNOWNS> {
+    let mut all = SVector::<f64, MAX_UNKNOWNS>::zeros();
+    all.iter_mut().zip(values).for_each(|(to, &from)| *to = from);
+    Parameters(all)
 }
 
 /// Calibrates.
 ///
 /// # Errors
 /// What the samples do not support, as the first search says it, when none ends well.
-pub fn solve(measured: &[Measured], request: &Request<'_>) -> Result<Outcome, CalibrationError> {
-    let samples = measured.iter().map(|measured| measured.sample);
-    let found = least(request.starts.iter().map(|start| {
-        if request.single {
-            let samples = samples.clone().map(|Sample { reading, intensity }| Sample {
-                reading: reading.map(|volt| volt as f32),
-                intensity: intensity as f32,
-            });
-            let start = match *start {
-                Start::DataSheet(data_sheet) => Start::DataSheet(single(data_sheet)),
-                Start::Linear { zero } => Start::Linear { zero: zero as f32 },
-            };
-            Ok(Solved::of(&calibrate(samples, &start)?, single(request.driver), f64::from))
-        } else {
-            Ok(Solved::of(&calibrate(samples.clone(), start)?, request.driver, |x| x))
+pub fn solve(measured: &[Measured], request: &Request<'_>) -> Result<Outcome, Unsolved> {
+    let settled: Vec<Measured> = measured.iter().copied().filter(|one| one.settled).collect();
+    let (name, used, fit, judged) = match request.model {
+        Model::Paper => one("paper", &settled, models::extended::<0, 6>(&settled, request)?),
+        Model::Nine => one("nine", &settled, models::extended::<0, 9>(&settled, request)?),
+        Model::TwoStep => one("twostep", &settled, models::by_twostep(&settled, request)?),
+        Model::Coupled => one("coupled", measured, coupled(measured, request)?),
+        Model::Auto => by_evidence(&settled, request)?,
+    };
+    let naming = naming::name(measured, &fit, request.currents.unsettle, request.inertia_kg_m2);
+    Ok(Outcome::new(name, used, request, &fit, judged, naming))
+}
+
+type Chosen<'a> = (&'static str, &'a [Measured], Fit, Vec<Judged>);
+
+fn one<'a>(name: &'static str, used: &'a [Measured], fit: Fit) -> Chosen<'a> {
+    let judged = vec![Judged::of(name, &fit.evidence)];
+    (name, used, fit, judged)
+}
+
+/// The smallest model that no larger one beats.
+fn by_evidence<'a>(settled: &'a [Measured], request: &Request<'_>) -> Result<Chosen<'a>, Unsolved> {
+    let mut chosen = one("paper", settled, models::extended::<0, 6>(settled, request)?);
+    let nine = models::extended::<0, 9>(settled, request).map_err(Unsolved::from);
+    let mut larger = vec![("nine", nine)];
+    // A history's currents flow in rows that the others cannot use: it is no fair comparison.
+    if !request.currents.unsettle && !request.currents.names.is_empty() {
+        larger.push(("coupled", coupled(settled, request)));
+    }
+    // A model that the data cannot support is not what they ask for.
+    for (name, fit) in larger.into_iter().filter_map(|(name, fit)| Some((name, fit.ok()?))) {
+        chosen.3.push(Judged::of(name, &fit.evidence));
+        if fit.evidence.beats(&chosen.2.evidence) {
+            chosen = (name, settled, fit, chosen.3);
         }
-    }))?;
-    let DataSheet { sensitivity, zero } = request.before;
-    let before = norm_error(samples.clone(), [sensitivity; 3], [-sensitivity * zero; 3]);
-    Ok(Outcome {
-        model: "paper",
-        scale_nt_per_v: found.scale,
-        bias_nt: found.bias,
-        scale_sigma_nt_per_v: found.sigma.0,
-        bias_sigma_nt: found.sigma.1,
-        cost_nt4: found.cost,
-        samples: found.samples,
-        iterations: found.iterations,
-        condition: found.condition,
-        norm_error_before_nt: before.into(),
-        norm_error_after_nt: norm_error(samples, found.scale, found.bias).into(),
-        correction: Correction { scale: found.correction.0, bias_nt: found.correction.1 },
-    })
+    }
+    Ok(chosen)
+}
+
+fn coupled(measured: &[Measured], request: &Request<'_>) -> Result<Fit, Unsolved> {
+    let fit = match request.currents.names.len() {
+        1 => models::extended::<1, 12>(measured, request),
+        2 => models::extended::<2, 15>(measured, request),
+        3 => models::extended::<3, 18>(measured, request),
+        4 => models::extended::<4, 21>(measured, request),
+        5 => models::extended::<5, 24>(measured, request),
+        6 => models::extended::<6, 27>(measured, request),
+        _ => return Err(Unsolved::NoCurrents),
+    };
+    Ok(fit?)
 }
 
 /// The solution with the least cost: the first of those that are equal but for rounding.
 fn least(
-    searches: impl Iterator<Item = Result<Solved, CalibrationError>>,
-) -> Result<Solved, CalibrationError> {
+    searches: impl Iterator<Item = Result<Fit, CalibrationError>>,
+) -> Result<Fit, CalibrationError> {
     /// Above what f32 makes of one minimum, far below what parts two.
     const CLEARLY_LESS: f64 = 0.999;
     searches
@@ -136,82 +189,4 @@ fn least(
             _ => best,
         })
         .unwrap_or(Err(CalibrationError::TooFew { found: 0, needed: MIN_SAMPLES }))
-}
-
-fn single(DataSheet { sensitivity, zero }: DataSheet<f64>) -> DataSheet<f32> {
-    DataSheet { sensitivity: sensitivity as f32, zero: zero as f32 }
-}
-
-/// A calibration in f64, whichever precision it was found in.
-struct Solved {
-    scale: [f64; 3],
-    bias: [f64; 3],
-    sigma: ([f64; 3], [f64; 3]),
-    correction: ([f64; 3], [f64; 3]),
-    cost: f64,
-    condition: f64,
-    samples: u32,
-    iterations: u32,
-}
-
-impl Solved {
-    fn of<T: RealField + Copy>(
-        found: &Calibration<T>,
-        driver: DataSheet<T>,
-        wide: impl Fn(T) -> f64,
-    ) -> Self {
-        let all = |(scale, bias): ([T; 3], [T; 3])| (scale.map(&wide), bias.map(&wide));
-        Self {
-            scale: found.scale.map(&wide),
-            bias: found.bias.map(&wide),
-            sigma: all(found.sigma()),
-            correction: all(found.correction(driver)),
-            cost: wide(found.cost),
-            condition: wide(found.condition),
-            samples: found.samples,
-            iterations: found.iterations,
-        }
-    }
-}
-
-impl Correction {
-    /// The section as a mission file has it, and as it is uplinked: in single precision.
-    pub fn toml(&self) -> String {
-        let [s_x, s_y, s_z] = self.scale.map(|scale| scale as f32);
-        let [b_x, b_y, b_z] = self.bias_nt.map(|bias| bias as f32);
-        format!(
-            "[magnetometer.calibration]\n\
-             scale = [{s_x:?}, {s_y:?}, {s_z:?}]\n\
-             bias_nt = [{b_x:?}, {b_y:?}, {b_z:?}]\n"
-        )
-    }
-}
-
-/// For a person to read.
-impl fmt::Display for Outcome {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{} samples, {} iterations, condition {:.1}",
-            self.samples, self.iterations, self.condition
-        )?;
-        writeln!(f, "axis      scale, nT/V                bias, nT")?;
-        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-            writeln!(
-                f,
-                "{name}    {:>10.1} ± {:<8.1}    {:>10.1} ± {:<8.1}",
-                self.scale_nt_per_v[axis],
-                self.scale_sigma_nt_per_v[axis],
-                self.bias_nt[axis],
-                self.bias_sigma_nt[axis]
-            )?;
-        }
-        for (when, range) in
-            [("before", self.norm_error_before_nt), ("after ", self.norm_error_after_nt)]
-        {
-            let Range { min, max, rms } = range;
-            writeln!(f, "|B| - |IGRF| {when}  {min:+.0} to {max:+.0} nT, rms {rms:.0} nT")?;
-        }
-        write!(f, "\nFor the mission file:\n\n{}", self.correction.toml())
-    }
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_core::calibration::{DataSheet, Start};
-use adcs_ground::calibration::{self, Measured, Outcome, Request};
+use adcs_ground::calibration::{self, Columns, Measured, Model, Naming, Outcome, Request};
+use adcs_ground::identification::Tensor;
+use adcs_ground::report::chart::Chart;
 use adcs_ground::table::{self, Output, Tally};
 use anyhow::{Context as _, bail};
 
@@ -16,41 +18,51 @@ const HELP: &str = "\
 Reads the columns
   V_x_volt, V_y_volt, V_z_volt   voltages of the magnetometer
   igrf_norm_nT                   strength of the field there by IGRF
-  t_s                            (optional) time, s; for --plot
-or the history.csv of a flight (adcs fly), of which it takes the rows that were
-measured with the torquers at rest. Columns are found by name, in any order; the
-order of the rows does not matter. A row that cannot be read is named by line and
-column on standard error and left out.
+  t_s                            (optional) time, s; for the plots and the axes
+  current_1_a ... current_6_a    (optional) currents nearby, of panels or torquers
+  gyro_x_deg_s, _y_, _z_         (optional) rates; for the axes
+or the history.csv of a flight (adcs fly). Of that it takes the rows that were
+measured with the torquers at rest, and with --model coupled all, the torquers'
+dipoles being the currents. Columns are found by name, in any order. A row that
+cannot be read is named by line and column on standard error and left out.
 
-Finds, for each axis, scale and bias of  B = scale V + bias  that minimise
-  E = sum (|B|^2 - |IGRF|^2)^2
+Models, B being the field and V the voltages:
+  paper    B = scale V + bias, by Gauss-Newton on  E = sum (|B|^2 - |IGRF|^2)^2
+  nine     B = C (scale V) + bias, C symmetric with ones on its diagonal: axes
+           that are not square
+  twostep  the same nine by TWOSTEP (Alonso & Shuster), which needs no start
+  coupled  nine, and for each current the field that it makes (Springmann & Cutler)
+  auto     the smallest of paper, nine and (for a table with currents) coupled
+           that the data ask for, by Schwarz' criterion
 No attitude is needed, but readings from many directions: half an orbit of a tumble
-does well. Refused are fewer than 12 samples, a sensor or a body that does not move
-(condition above 10000), and an axis that does not answer to the field.
+does well. Refused are fewer samples than two for each unknown, a sensor or a body
+that does not move (condition above 10000), and an axis that does not answer.
 
-What it cannot see: the sign of an axis, as E is the same for a scale of the other
-sign (the result is positive); what is not scale or bias, such as axes that are not
-square or currents nearby: it stays in norm_error_after_nt.
+What the strength cannot see: the signs of the axes, and which is which. Where the
+table has gyros, they and the torquers' work tell, and the answer is in axes.
 
 Writes to OUT.json
-  scale_nt_per_v, bias_nt        the result, x y z
-  scale_sigma_nt_per_v, bias_sigma_nt   how far noise may have moved it (1 sigma)
+  scale_nt_per_v, bias_nt, cross_axis (xy xz yz), couplings   the result, x y z
+  ..._sigma...                   how far noise may have moved it (1 sigma)
   cost_nt4                       E
   samples, iterations, condition  1 is best
   norm_error_before_nt, norm_error_after_nt   min, max, rms of |B| - |IGRF|
-  correction                     scale, bias_nt for the mission file, section
-                                 magnetometer.calibration: the flight software
-                                 computes scale * reading - bias, the reading
-                                 being sensitivity * (V - zero)
+  turned_deg                     angle between the field before and after
+  evidence                       of the models tried: unknowns, rms_nt, bic
+  axes                           Body's x y z along the sensor's, as +x +y +z
+  correction                     scale, cross_axis, bias_nt for the mission file,
+                                 section magnetometer.calibration: the flight
+                                 software computes C (scale * reading) - bias,
+                                 the reading being sensitivity * (V - zero)
 
 Examples
   $ adcs calibrate voltages.csv -o calibration.json --plot norm.svg
-  $ adcs calibrate out/despin/history.csv -o calibration.json --toml calibration.toml
+  $ adcs calibrate out/despin/history.csv --model auto --toml calibration.toml
 
 Exit code: 0 calibrated, 1 calibrated from fewer rows (some could not be read),
 2 not calibrated.";
 
-/// Scale and bias of the magnetometer from its readings and the strength of the field
+/// What is wrong with the magnetometer, from its readings and the strength of the field
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP)]
 pub struct Args {
@@ -60,7 +72,11 @@ pub struct Args {
 
     /// Which errors to look for
     #[arg(long, value_enum, value_name = "MODEL", default_value_t)]
-    model: Model,
+    model: ModelName,
+
+    /// Take out the shift that noise makes in |B|^2 (some tenths of a percent of scale)
+    #[arg(long)]
+    unbiased: bool,
 
     /// Where to start
     #[arg(long, value_enum, value_name = "START", default_value_t)]
@@ -80,6 +96,11 @@ pub struct Args {
     #[arg(long, value_name = "NT_PER_V", value_parser = sensitivity)]
     sensitivity: Option<f64>,
 
+    /// Turn round, in the section for the mission file, the axes that gyros and torquers
+    /// find the other way round
+    #[arg(long)]
+    apply_signs: bool,
+
     /// Compute in single precision (f32), as on a microcontroller
     #[arg(long)]
     single: bool,
@@ -92,16 +113,45 @@ pub struct Args {
     #[arg(long, value_name = "OUT.toml")]
     toml: Option<PathBuf>,
 
-    /// The strength before and after, against IGRF, over time
+    /// The strength before and after, against IGRF, over time (the paper's fig. 5.2)
     #[arg(long, value_name = "OUT.svg")]
     plot: Option<PathBuf>,
+
+    /// The angle between the field before and after, over time (the paper's fig. 5.3)
+    #[arg(long, value_name = "OUT.svg")]
+    angle_plot: Option<PathBuf>,
+
+    /// The satellite's inertia tensor, xx,yy,zz or xx,yy,zz,xy,xz,yz, kg m^2; for the axes,
+    /// to a fifth
+    #[arg(long, value_name = "KG_M2", default_value = "0.055,0.055,0.055")]
+    inertia: Tensor,
 }
 
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-enum Model {
-    /// Scale and bias of each axis: six parameters, by Gauss-Newton
+enum ModelName {
+    /// Scale and bias of each axis: six unknowns, by Gauss-Newton
     #[default]
     Paper,
+    /// Angles between the axes too: nine
+    Nine,
+    /// The same nine by TWOSTEP
+    Twostep,
+    /// Nine, and three for each current nearby
+    Coupled,
+    /// What the data ask for
+    Auto,
+}
+
+impl From<ModelName> for Model {
+    fn from(name: ModelName) -> Self {
+        match name {
+            ModelName::Paper => Self::Paper,
+            ModelName::Nine => Self::Nine,
+            ModelName::Twostep => Self::TwoStep,
+            ModelName::Coupled => Self::Coupled,
+            ModelName::Auto => Self::Auto,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
@@ -132,7 +182,6 @@ pub fn run(args: &Args) -> ExitCode {
 }
 
 fn calibrate(args: &Args) -> anyhow::Result<Tally> {
-    let Model::Paper = args.model;
     let before = DataSheet { sensitivity: args.start_scale, zero: args.zero_v };
     let driver =
         DataSheet { sensitivity: args.sensitivity.unwrap_or(args.start_scale), zero: args.zero_v };
@@ -142,22 +191,46 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         StartName::DataSheet => &both[..1],
         StartName::Linear => &both[1..],
     };
-    let (rows, tally) =
-        table::read_beside(&args.input, |header| calibration::bind(header, driver))?;
+    let mut currents = None;
+    let (rows, tally) = table::read_beside(&args.input, |header| {
+        let columns = Columns::find(header)?;
+        currents = Some(columns.currents());
+        Ok(columns.reader(driver))
+    })?;
     let measured: Vec<Measured> = rows.into_iter().flatten().collect();
-    let request = Request { starts, before, driver, single: args.single };
-    let outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
-
-    let plot = match &args.plot {
-        Some(path) => Some((path, plot(&measured, before, &outcome)?)),
-        None => None,
+    let request = Request {
+        model: args.model.into(),
+        starts,
+        before,
+        driver,
+        single: args.single,
+        unbiased: args.unbiased,
+        currents: currents.context("no header")?,
+        inertia_kg_m2: args.inertia.rows(),
     };
+    let mut outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
+    if args.apply_signs {
+        outcome.correction = outcome.correction.reversed(signs(&outcome)?);
+    }
+
+    let mut plots = Vec::new();
+    type Draw = fn(&[Measured], DataSheet<f64>, &Outcome) -> Option<Chart>;
+    let wanted: [(_, Draw); 2] =
+        [(&args.plot, calibration::chart), (&args.angle_plot, calibration::angle_chart)];
+    for (path, draw) in wanted {
+        if let Some(path) = path {
+            let Some(chart) = draw(&measured, before, &outcome) else {
+                bail!("a plot needs the column t_s");
+            };
+            plots.push((path, chart.svg()?));
+        }
+    }
     let json = serde_json::to_string_pretty(&outcome)?;
     write(&args.output, &format!("{json}\n"))?;
     if let Some(path) = &args.toml {
         write(path, &outcome.correction.toml())?;
     }
-    if let Some((path, svg)) = &plot {
+    for (path, svg) in &plots {
         write(path, svg)?;
     }
     if args.output != Path::new("-") {
@@ -166,21 +239,24 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
     Ok(tally)
 }
 
+/// Which axes are the other way round.
+fn signs(outcome: &Outcome) -> anyhow::Result<[bool; 3]> {
+    match &outcome.axes {
+        None => bail!("--apply-signs needs the columns t_s and gyro_x_deg_s, _y_, _z_"),
+        Some(Naming { open: Some(open), .. }) => bail!("--apply-signs: {open}"),
+        Some(Naming { reversed: Some(reversed), .. }) => Ok(*reversed),
+        Some(Naming { axes, .. }) => bail!(
+            "--apply-signs: axes are exchanged, Body's x, y, z being the sensor's {}; correct \
+             magnetometer.channels first",
+            axes.as_deref().unwrap_or_default()
+        ),
+    }
+}
+
 fn name(input: &Path) -> String {
     match input == Path::new("-") {
         true => "standard input".to_owned(),
         false => input.display().to_string(),
-    }
-}
-
-fn plot(
-    measured: &[Measured],
-    before: DataSheet<f64>,
-    outcome: &Outcome,
-) -> anyhow::Result<String> {
-    match calibration::chart(measured, before, outcome) {
-        Some(chart) => chart.svg(),
-        None => bail!("--plot needs the column t_s"),
     }
 }
 

@@ -155,6 +155,20 @@ fn print_result(summary: &Summary, folder: &Folder, quiet: bool) {
         "  rate     {:.3} deg/s at the start, {:.3} deg/s at the end{ratio}",
         rates.start_norm_deg_s, rates.end_norm_deg_s
     ));
+    if let Some(pointing) = &summary.pointing {
+        let captured = pointing.captured_s.map_or_else(
+            || "not within 10 deg at the end".to_owned(),
+            |captured_s| format!("within 10 deg from {captured_s:.0} s on"),
+        );
+        print(format_args!(
+            "  pointing {:.2} deg mean, {:.2} deg 95 %, {:.2} deg at most from {:.0} s on; {captured}",
+            pointing.mean_deg, pointing.p95_deg, pointing.largest_deg, pointing.settled_s
+        ));
+    }
+    for at in &summary.transitions {
+        let time_s = at.time_ms as f64 / 1e3;
+        print(format_args!("  mode     {time_s:>8.1} s  {} to {}: {}", at.from, at.to, at.cause));
+    }
     if let (Some(wall_s), Some(speed)) = (summary.wall_s, summary.speed_over_real_time) {
         print(format_args!("  speed    {wall_s:.2} s, {speed:.0} times real time"));
     }

@@ -9,6 +9,7 @@ pub mod field;
 mod files;
 pub mod fly;
 pub mod frames;
+pub mod identify;
 pub mod mission;
 pub mod propagate;
 pub mod report;

@@ -1,7 +1,7 @@
 //! Section `attitude`: which filters fly, and what they are told. A mission without the section flies
 //! without attitude, which despin does not need.
 
-use adcs_core::attitude::dynamic::{DynamicError, DynamicParameters, TorqueNoise};
+use adcs_core::attitude::dynamic::{Blocks, DynamicError, DynamicParameters, TorqueNoise};
 use adcs_core::attitude::mekf::{FieldNoise, MekfParameters};
 use adcs_core::attitude::selection::{Estimator, EstimatorParameters, Flies};
 
@@ -48,9 +48,39 @@ pub(super) fn attitude(
     let dipole_prior =
         section.number_or("residual_dipole_prior_am2", POSITIVE, usual.dipole_prior_am2);
     let torque = section.number_or("unknown_torque_n_m", POSITIVE, usual.torque.start_n_m);
+    let torque_least = section.number_or(
+        "unknown_torque_least_n_m",
+        POSITIVE,
+        usual.torque.smallest_n_m.min(torque.unwrap_or(usual.torque.smallest_n_m)),
+    );
+    let torque_time =
+        section.number_or("unknown_torque_time_s", POSITIVE, usual.torque.correlation_s);
+    let white = section.number_or("white_torque_n_m_sqrt_s", NOT_NEGATIVE, 0.0);
+    let inertia_flies = if section.has("learn_inertia") {
+        section.flag("learn_inertia")
+    } else {
+        Some(usual.blocks.inertia)
+    };
+    let allowance = section.number_or("inertia_allowance", NOT_NEGATIVE, 0.0);
+    let moments = section.number_or("inertia_moment_prior", NOT_NEGATIVE, usual.moment_prior);
+    let products = section.number_or("inertia_product_prior", NOT_NEGATIVE, usual.product_prior);
+    let walk = section.number_or(
+        "residual_dipole_walk_am2_per_sqrt_s",
+        NOT_NEGATIVE,
+        usual.dipole_walk_am2_per_sqrt_s,
+    );
+    // The states that fly only when they are asked for.
+    let optional = |key: &'static str| match section.has(key) {
+        true => section.number(key, POSITIVE).map(Some),
+        false => Some(None),
+    };
+    let shadow = optional("shadow_dipole_prior_am2");
+    let field_bias = optional("magnetometer_bias_prior_nt");
     section.finish();
 
     let single = |x: f64| x as f32;
+    let (shadow, field_bias) = (shadow?, field_bias?);
+    let usual_bias_nt = field_nt(usual.field_bias_prior_t);
     let field_noise = FieldNoise {
         sensor_t: single(field? * T_PER_NT),
         calibration_t: single(calibration? * T_PER_NT),
@@ -70,8 +100,23 @@ pub(super) fn attitude(
             inertia_kg_m2: inertia?.map(|row| row.map(single)),
             dipole_am2: dipole?.map(single),
             dipole_prior_am2: single(dipole_prior?),
+            blocks: Blocks {
+                inertia: inertia_flies?,
+                torque: true,
+                shadow: shadow.is_some(),
+                field_bias: field_bias.is_some(),
+            },
+            moment_prior: single(moments?),
+            product_prior: single(products?),
+            dipole_walk_am2_per_sqrt_s: single(walk?),
+            dipole_step_am2: single(shadow.unwrap_or(usual.dipole_step_am2)),
+            field_bias_prior_t: single(field_bias.unwrap_or(usual_bias_nt) * T_PER_NT),
+            white_torque_n_m_sqrt_s: single(white?),
+            inertia_allowance: single(allowance?),
             torque: TorqueNoise {
+                smallest_n_m: single(torque_least?),
                 start_n_m: single(torque?),
+                correlation_s: single(torque_time?),
                 ..DynamicParameters::<f32>::default().torque
             },
             ..DynamicParameters::default()

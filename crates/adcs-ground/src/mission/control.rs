@@ -4,10 +4,12 @@ use adcs_app::{LawParameters, ParameterError};
 use adcs_core::control::b_dot::BDotGain;
 use adcs_core::control::bang_bang::BangBangParameters;
 use adcs_core::control::cross_product::{CrossProductError, CrossProductParameters};
-use adcs_core::control::guidance::AimParameters;
+use adcs_core::control::guidance::GuidanceParameters;
+use adcs_core::control::periodic::{PeriodicError, PeriodicParameters};
 use adcs_core::pipeline::{RateFrom, SteeringParameters};
 use adcs_core::schedule::{Schedule, ScheduleError, ScheduleParameters};
 
+use super::guidance;
 use super::problem::Fault;
 use super::section::Section;
 use super::typed::{Check, POSITIVE};
@@ -24,6 +26,7 @@ enum Kind {
     Normalised,
     BangBang,
     CrossProduct,
+    Periodic,
     None,
 }
 
@@ -36,18 +39,21 @@ const RATE_NOISE: &str = "rate_noise_deg_s";
 const FIELD_NOISE: &str = "field_noise_nt";
 const STIFFNESS: &str = "stiffness_n_m_per_rad";
 const DAMPING: &str = "damping_n_m_s";
-const TARGET: &str = "target";
-const TARGET_ATTITUDE: &str = "target_attitude_xyzw";
 const INERTIA: &str = "inertia_kg_m2";
 const GYROSCOPIC: &str = "gyroscopic";
 const GRAVITY: &str = "gravity_gradient";
+const ATTITUDE_WEIGHT: &str = "attitude_weight_deg";
+const RATE_WEIGHT: &str = "rate_weight_deg_s";
+const DIPOLE_WEIGHT: &str = "dipole_weight_am2";
+const PLAN_STEP: &str = "plan_step_s";
+const PLAN_HORIZON: &str = "plan_horizon_s";
 const FEED_FORWARD: &str = "residual_dipole_sigma_am2";
 
 /// Half-width of the bang-bang law's dead band when a mission does not say: one wrong sign in 370.
 const DEAD_BAND_SIGMAS: f64 = 3.0;
 
-/// Every key that not every kind understands, and which do.
-const KEYS: [(&str, &[Kind]); 15] = [
+/// Every key that not every kind understands, and which do; those of the guidance are pointing's.
+const KEYS: [(&str, &[Kind]); 18] = [
     (PLAIN_GAIN, &[Kind::Plain]),
     (NORMALISED_GAIN, &[Kind::Normalised]),
     (RATE, DESPIN),
@@ -55,15 +61,22 @@ const KEYS: [(&str, &[Kind]); 15] = [
     (DEAD_BAND, &[Kind::BangBang]),
     (RATE_NOISE, &[Kind::BangBang]),
     (FIELD_NOISE, &[Kind::BangBang]),
-    (STIFFNESS, &[Kind::CrossProduct]),
-    (DAMPING, &[Kind::CrossProduct]),
-    (TARGET, &[Kind::CrossProduct]),
-    (TARGET_ATTITUDE, &[Kind::CrossProduct]),
-    (INERTIA, &[Kind::CrossProduct]),
-    (GYROSCOPIC, &[Kind::CrossProduct]),
-    (GRAVITY, &[Kind::CrossProduct]),
-    (FEED_FORWARD, &[Kind::Plain, Kind::Normalised, Kind::BangBang, Kind::CrossProduct]),
+    (STIFFNESS, POINTING),
+    (DAMPING, POINTING),
+    (INERTIA, POINTING),
+    (GYROSCOPIC, POINTING),
+    (GRAVITY, POINTING),
+    (ATTITUDE_WEIGHT, &[Kind::Periodic]),
+    (RATE_WEIGHT, &[Kind::Periodic]),
+    (DIPOLE_WEIGHT, &[Kind::Periodic]),
+    (PLAN_STEP, &[Kind::Periodic]),
+    (PLAN_HORIZON, &[Kind::Periodic]),
+    (
+        FEED_FORWARD,
+        &[Kind::Plain, Kind::Normalised, Kind::BangBang, Kind::CrossProduct, Kind::Periodic],
+    ),
 ];
+const POINTING: &[Kind] = &[Kind::CrossProduct, Kind::Periodic];
 const DESPIN: &[Kind] = &[Kind::Plain, Kind::Normalised, Kind::BangBang];
 
 /// What the law takes over from other sections when its own says nothing.
@@ -74,19 +87,28 @@ pub(super) struct Usual {
     pub field_noise_t: Option<f64>,
 }
 
+/// Section `law`: what flies from start to end; with modes, what points.
 pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, SteeringParameters)> {
-    let section = root.section("law")?;
+    flown(&root.section("law")?, usual)
+}
+
+/// A law and what surrounds it.
+pub(super) fn flown(
+    section: &Section,
+    usual: &Usual,
+) -> Option<(LawParameters, SteeringParameters)> {
     let kinds = [
         ("b-dot", Kind::Plain),
         ("b-dot-normalised", Kind::Normalised),
         ("bang-bang", Kind::BangBang),
         ("cross-product", Kind::CrossProduct),
+        ("periodic", Kind::Periodic),
         ("none", Kind::None),
     ];
     let kind = section.choice("kind", &kinds);
     let Some(kind) = kind else {
         // Not known which of them are wanted, so none is called unknown.
-        for (key, _) in KEYS {
+        for key in KEYS.map(|(key, _)| key).into_iter().chain(guidance::NAMES) {
             let _ = section.has(key);
         }
         section.finish();
@@ -94,6 +116,9 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
     };
     for (key, _) in KEYS.iter().filter(|(_, understood)| !understood.contains(&kind)) {
         section.meaningless(key, "kind");
+    }
+    if !POINTING.contains(&kind) {
+        guidance::NAMES.iter().for_each(|key| section.meaningless(key, "kind"));
     }
     let law = match kind {
         Kind::None => Some(LawParameters::Off),
@@ -103,10 +128,12 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
         Kind::Normalised => section
             .number(NORMALISED_GAIN, POSITIVE)
             .map(|k| LawParameters::BDot(BDotGain::Normalised { gain_n_m_s: k as f32 })),
-        Kind::BangBang => bang_bang(&section, usual),
-        Kind::CrossProduct => cross_product(&section, usual),
+        Kind::BangBang => bang_bang(section, usual),
+        Kind::CrossProduct => pointing(section, usual)
+            .map(|(law, guidance)| LawParameters::CrossProduct { law, guidance }),
+        Kind::Periodic => periodic(section, usual),
     };
-    let steering = steering(&section, kind);
+    let steering = steering(section, kind);
     section.finish();
     let law = law?;
     if let Err(error) = law.accept() {
@@ -116,8 +143,11 @@ pub(super) fn law(root: &Section, usual: &Usual) -> Option<(LawParameters, Steer
             (_, ParameterError::CrossProduct(CrossProductError::Inertia)) => INERTIA,
             (_, ParameterError::CrossProduct(CrossProductError::Damping { .. })) => DAMPING,
             (_, ParameterError::CrossProduct(_)) => STIFFNESS,
-            (_, ParameterError::Aim(_)) => TARGET_ATTITUDE,
-            _ => "kind",
+            (_, ParameterError::Periodic(PeriodicError::Inertia)) => INERTIA,
+            (_, ParameterError::Periodic(PeriodicError::OutOfRange { name, .. })) => {
+                periodic_key(name)
+            }
+            (_, error) => guidance::key_of(error).unwrap_or("kind"),
         };
         section.refuse(key, Fault::new(error.to_string()));
         return None;
@@ -140,7 +170,41 @@ fn bang_bang(section: &Section, usual: &Usual) -> Option<LawParameters> {
     }))
 }
 
-fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
+/// The key of what the periodic law calls so.
+fn periodic_key(name: &str) -> &'static str {
+    match name {
+        "the weight of attitude" => ATTITUDE_WEIGHT,
+        "the weight of rate" => RATE_WEIGHT,
+        "the weight of the dipole" => DIPOLE_WEIGHT,
+        "the step of the sweep" => PLAN_STEP,
+        _ => PLAN_HORIZON,
+    }
+}
+
+fn periodic(section: &Section, usual: &Usual) -> Option<LawParameters> {
+    let default = PeriodicParameters::<f64>::default();
+    let attitude =
+        section.number_or(ATTITUDE_WEIGHT, POSITIVE, default.attitude_weight_rad.to_degrees());
+    let rate = section.number_or(RATE_WEIGHT, POSITIVE, default.rate_weight_rad_s.to_degrees());
+    let dipole = section.number_or(DIPOLE_WEIGHT, POSITIVE, default.dipole_weight_am2);
+    let step = section.number_or(PLAN_STEP, POSITIVE, default.step_s);
+    let horizon = section.number_or(PLAN_HORIZON, POSITIVE, default.horizon_s);
+    let (unplanned, guidance) = pointing(section, usual)?;
+    let law = PeriodicParameters {
+        attitude_weight_rad: attitude?.to_radians() as f32,
+        rate_weight_rad_s: rate?.to_radians() as f32,
+        dipole_weight_am2: dipole? as f32,
+        step_s: step? as f32,
+        horizon_s: horizon? as f32,
+        inertia_kg_m2: unplanned.inertia_kg_m2,
+    };
+    Some(LawParameters::Periodic { law, unplanned, guidance })
+}
+
+fn pointing(
+    section: &Section,
+    usual: &Usual,
+) -> Option<(CrossProductParameters, GuidanceParameters)> {
     let stiffness = section.number(STIFFNESS, POSITIVE);
     let damping = section.number(DAMPING, POSITIVE);
     let inertia = match usual.inertia_kg_m2 {
@@ -149,19 +213,7 @@ fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
     };
     let gyroscopic = flag_or_off(section, GYROSCOPIC);
     let gravity_gradient = flag_or_off(section, GRAVITY);
-    let aim = match section.choice(TARGET, &[("nadir", false), ("inertial", true)]) {
-        Some(true) => section.quaternion(TARGET_ATTITUDE).map(|xyzw| AimParameters::Inertial {
-            attitude_xyzw: xyzw.map(|component| component as f32),
-        }),
-        Some(false) => {
-            section.meaningless(TARGET_ATTITUDE, TARGET);
-            Some(AimParameters::Nadir)
-        }
-        None => {
-            let _ = section.has(TARGET_ATTITUDE);
-            None
-        }
-    };
+    let guidance = guidance::guidance(section);
     let law = CrossProductParameters {
         stiffness_n_m_per_rad: stiffness? as f32,
         damping_n_m_s: damping? as f32,
@@ -169,11 +221,12 @@ fn cross_product(section: &Section, usual: &Usual) -> Option<LawParameters> {
         gyroscopic: gyroscopic?,
         gravity_gradient: gravity_gradient?,
     };
-    Some(LawParameters::CrossProduct { law, aim: aim? })
+    Some((law, guidance?))
 }
 
 fn steering(section: &Section, kind: Kind) -> Option<SteeringParameters> {
-    let rates = [("gyro", RateFrom::Gyro), ("field", RateFrom::Field)];
+    let rates =
+        [("gyro", RateFrom::Gyro), ("field", RateFrom::Field), ("estimate", RateFrom::Estimate)];
     let (rate, cut_hold) = if DESPIN.contains(&kind) {
         let rate = section.choice_or(RATE, &rates, RateFrom::Gyro);
         (rate, flag_or_off(section, CUT_HOLD))

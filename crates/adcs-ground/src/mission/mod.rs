@@ -11,6 +11,8 @@
 mod attitude;
 mod control;
 mod document;
+mod guidance;
+mod modes;
 mod orbit;
 mod problem;
 mod satellite;
@@ -22,7 +24,7 @@ mod unit;
 
 use std::path::{Path, PathBuf};
 
-use adcs_app::FlightParameters;
+use adcs_app::{FlightParameters, FlownParameters};
 use adcs_core::frames::Rotation;
 use adcs_core::time::MICROS_PER_SECOND;
 use adcs_hal::driver_board::DriverBoardConfig;
@@ -105,6 +107,14 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
     };
     let law = control::law(root, &usual);
     let schedule = control::schedule(root, cycle_us);
+    let beside = modes::Beside {
+        pointing: law.map(|(law, steering)| FlownParameters { law, steering }),
+        attitude: attitude.flatten(),
+        schedule,
+    };
+    let modes = modes::modes(root, &usual, &beside);
+    let counted = about.as_ref().map(|about| (about.cycle_us, about.cycles));
+    let commands = modes::commands(root, counted, modes.is_none_or(|modes| modes.is_some()));
     root.finish();
 
     let (about, simulation) = (about?, simulation?);
@@ -120,6 +130,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             schedule: schedule?,
             law,
             steering,
+            modes: modes?,
             gyro: gyro.calibration,
             magnetometer: magnetometer.calibration,
             sun_sensors: sun.as_ref().map(|sun| sun.known),
@@ -157,6 +168,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
             torquer_steps: torquers.steps,
             seed: about.seed,
         },
+        commands: commands?,
         cycles: about.cycles,
     };
     check_whole(root, &scenario);

@@ -242,6 +242,20 @@ impl<'a> Section<'a> {
         Some(self.read(key, |item| micros(item, range_s))?.unwrap_or(default))
     }
 
+    /// Any number of times in seconds, as whole numbers of microseconds.
+    pub fn list_of_micros(
+        &self,
+        key: &'static str,
+        range_s: RangeInclusive<f64>,
+    ) -> Option<Vec<i64>> {
+        self.required(key, |item| {
+            let Value::List(items) = &item.value else {
+                return Err((item.place, mismatch("a list of numbers", &item.value)));
+            };
+            items.iter().map(|item| micros(item, range_s.clone())).collect()
+        })
+    }
+
     pub fn integer(&self, key: &'static str, range: RangeInclusive<i64>) -> Option<i64> {
         self.required(key, |item| integer(item, range))
     }

@@ -22,6 +22,8 @@ const REFERENCE: Check =
 
 /// A middle voltage; the converter's own reference limits it further.
 const ZERO_V: Check = Check::new(|x| (0.0..=5.5).contains(&x), "from 0 to 5.5 V");
+/// Above it two axes would be nearer to each other than to a right angle.
+const CROSS_AXIS: Check = Check::new(|c| c.abs() <= 0.5, "between -0.5 and 0.5");
 const OFFSET_M: Check = Check::new(|x| x.abs() <= 10.0, "within 10 m");
 
 /// The names of a sensor's keys and how they become SI.
@@ -148,15 +150,21 @@ fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) ->
 
 fn calibration<S>(section: &Section, kind: &Kind, alignment: [f64; 4]) -> Option<TriadParameters> {
     let scale = section.vector_or("scale", NOT_ZERO, [1.0; 3]);
+    let cross_axis = section.vector_or("cross_axis", CROSS_AXIS, [0.0; 3]);
     let bias = section.vector_or(kind.bias, kind.range, [0.0; 3]);
     section.finish();
     let parameters = TriadParameters {
         scale: scale?.map(|x| x as f32),
+        cross_axis: cross_axis?.map(|x| x as f32),
         bias: bias?.map(|x| (kind.to_si)(x) as f32),
         alignment_xyzw: alignment.map(|x| x as f32),
     };
     if let Err(error) = Triad::<S>::new(&parameters) {
-        let key = if matches!(error, TriadError::Bias { .. }) { kind.bias } else { "scale" };
+        let key = match error {
+            TriadError::Bias { .. } => kind.bias,
+            TriadError::CrossAxis { .. } => "cross_axis",
+            _ => "scale",
+        };
         section.refuse(key, Fault::new(error.to_string()));
     }
     Some(parameters)

@@ -34,6 +34,12 @@ pub mod colour {
     pub const GREEN: RGBColor = RGBColor(0, 158, 115);
     /// For lengths and sums.
     pub const BLACK: RGBColor = RGBColor(30, 30, 30);
+    /// For what is safe, and waits.
+    pub const GREY: RGBColor = RGBColor(120, 120, 120);
+    /// For what is on its way.
+    pub const SKY: RGBColor = RGBColor(86, 180, 233);
+    /// For what is special.
+    pub const PURPLE: RGBColor = RGBColor(204, 121, 167);
     /// For what was measured.
     pub const VERMILION: RGBColor = RGBColor(213, 94, 0);
     /// x, y, z.
@@ -74,6 +80,20 @@ pub struct Series {
     pub points: Vec<(f64, Option<f64>)>,
 }
 
+/// Times in one colour along the upper edge of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strip {
+    /// What the legend calls them.
+    pub label: &'static str,
+    /// Their colour.
+    pub colour: RGBColor,
+    /// The times, s.
+    pub spans: Vec<(f64, f64)>,
+}
+
+/// Height of the strip, as a fraction of the plot's.
+const STRIP: f64 = 0.05;
+
 /// A chart over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
@@ -87,6 +107,8 @@ pub struct Chart {
     pub bands: Vec<(f64, f64)>,
     /// What the legend calls them.
     pub band_label: &'static str,
+    /// Coloured times along the upper edge.
+    pub strips: Vec<Strip>,
     /// First and last time, s.
     pub span_s: (f64, f64),
     /// Whether zero must be on the value axis.
@@ -141,7 +163,7 @@ impl Chart {
         let (x_from, x_to) = (self.span_s.0 / per_unit, self.span_s.1 / per_unit);
         let (y_from, y_to) = self.value_range();
         let mut chart = ChartBuilder::on(&body)
-            .margin_right(px(14.0))
+            .margin_right(px(22.0))
             .margin_left(px(4.0))
             .margin_top(px(4.0))
             .x_label_area_size(px(38.0))
@@ -150,6 +172,12 @@ impl Chart {
         if self.bands.len() <= MAX_BANDS {
             chart.draw_series(self.bands.iter().map(|&(from, to)| {
                 Rectangle::new([(from / per_unit, y_from), (to / per_unit, y_to)], BAND.filled())
+            }))?;
+        }
+        for Strip { colour, spans, .. } in &self.strips {
+            let below = y_to - STRIP * (y_to - y_from);
+            chart.draw_series(spans.iter().map(|&(from, to)| {
+                Rectangle::new([(from / per_unit, below), (to / per_unit, y_to)], colour.filled())
             }))?;
         }
         let decimals = decimals_for(y_to - y_from);
@@ -206,10 +234,12 @@ impl Chart {
         head.draw(&Text::new(self.title, (px(10.0), middle), title))?;
 
         let labelled = self.series.iter().filter_map(|series| Some((series, series.label?)));
-        let mut entries: Vec<_> = labelled.map(|(series, label)| (Some(series), label)).collect();
+        let mut entries: Vec<_> =
+            labelled.map(|(series, label)| (Sample::Series(series), label)).collect();
         if !self.bands.is_empty() && self.bands.len() <= MAX_BANDS {
-            entries.push((None, self.band_label));
+            entries.push((Sample::Ground(BAND), self.band_label));
         }
+        entries.extend(self.strips.iter().map(|it| (Sample::Ground(it.colour), it.label)));
         let (sample, gap, space) = (px(20.0), px(6.0), px(18.0));
         let text_width = |label: &str| px(label.chars().count() as f64 * TEXT_PX * LETTER_WIDTH);
         let total: i32 =
@@ -217,14 +247,14 @@ impl Chart {
         let mut x = px(f64::from(WIDTH)) - total;
         for (series, label) in entries {
             match series {
-                None => head.draw(&Rectangle::new(
+                Sample::Ground(colour) => head.draw(&Rectangle::new(
                     [(x, middle - px(5.0)), (x + sample, middle + px(5.0))],
-                    BAND.filled(),
+                    colour.filled(),
                 ))?,
-                Some(Series { style: Style::Dots, colour, .. }) => {
+                Sample::Series(Series { style: Style::Dots, colour, .. }) => {
                     head.draw(&Circle::new((x + sample / 2, middle), px(2.5), colour.filled()))?;
                 }
-                Some(Series { colour, .. }) => head.draw(&PathElement::new(
+                Sample::Series(Series { colour, .. }) => head.draw(&PathElement::new(
                     [(x, middle), (x + sample, middle)],
                     stroke(*colour, 2.5),
                 ))?,
@@ -256,8 +286,16 @@ impl Chart {
         let room = (high - low) * 0.05;
         let keep_zero =
             |edge: f64, moved: f64| if self.from_zero && edge == 0.0 { 0.0 } else { moved };
-        (keep_zero(low, low - room), keep_zero(high, high + room))
+        // Above what is drawn there is room for the strip.
+        let strip = if self.strips.is_empty() { 0.0 } else { (high - low) * STRIP };
+        (keep_zero(low, low - room), keep_zero(high, high + room) + strip)
     }
+}
+
+/// What stands before a text of the legend.
+enum Sample<'a> {
+    Series(&'a Series),
+    Ground(RGBColor),
 }
 
 /// The unbroken pieces of a series, thinned to what can be seen.
@@ -335,6 +373,7 @@ mod tests {
             series: vec![series],
             bands: vec![(0.0, 1.0)],
             band_label: "acting",
+            strips: vec![Strip { label: "point", colour: colour::GREEN, spans: vec![(0.0, 5.0)] }],
             span_s: (0.0, 10.0),
             from_zero: false,
         }
@@ -347,7 +386,7 @@ mod tests {
             svg.starts_with(r#"<svg width="960" height="300" viewBox="0 0 3840 1200""#),
             "{svg}"
         );
-        for text in ["rate", "deg/s", "time since the start, s", "acting"] {
+        for text in ["rate", "deg/s", "time since the start, s", "acting", "point"] {
             assert!(svg.contains(text), "{text}");
         }
     }

@@ -2,7 +2,7 @@
 
 use adcs_app::LawParameters;
 use adcs_core::control::b_dot::BDotGain;
-use adcs_core::control::guidance::AimParameters;
+use adcs_core::control::guidance::{AimParameters, GuidanceParameters};
 use adcs_core::sensing::TriadParameters;
 use adcs_sim::devices::SpiFault;
 use adcs_sim::scenario::{Readings, Scenario, SensorTruth, WorldParameters};
@@ -96,17 +96,46 @@ fn law(law: LawParameters) -> String {
             "B-dot by sign, {} A·m² on each axis beyond {} σ of its noise",
             law.dipole_am2, law.dead_band_sigmas
         ),
-        LawParameters::CrossProduct { law, aim } => format!(
+        LawParameters::CrossProduct { law, guidance } => format!(
             "cross-product, m = (B × u) / |B|², K_p = {:e} N·m/rad, K_d = {:e} N·m·s, towards {}",
             law.stiffness_n_m_per_rad,
             law.damping_n_m_s,
-            match aim {
-                AimParameters::Nadir => "nadir".to_owned(),
-                AimParameters::Inertial { attitude_xyzw } => {
-                    format!("the attitude ({})", list(&attitude_xyzw))
-                }
-            }
+            target(&guidance)
         ),
+        LawParameters::Periodic { law, guidance, .. } => format!(
+            "periodic optimal, weights {:.3} deg, {:.4} deg/s, {} A·m², {} s ahead, towards {}",
+            f64::from(law.attitude_weight_rad).to_degrees(),
+            f64::from(law.rate_weight_rad_s).to_degrees(),
+            law.dipole_weight_am2,
+            law.horizon_s,
+            target(&guidance)
+        ),
+    }
+}
+
+/// Where a law points.
+fn target(guidance: &GuidanceParameters) -> String {
+    let aim = match guidance.aim {
+        AimParameters::Nadir => "nadir".to_owned(),
+        AimParameters::Inertial { attitude_xyzw } => {
+            format!("the attitude ({})", list(&attitude_xyzw))
+        }
+        AimParameters::Sun(aim) => {
+            let spin = f64::from(aim.spin_rad_s).to_degrees();
+            let spin =
+                if spin == 0.0 { String::new() } else { format!(", spinning at {spin:.3} deg/s") };
+            format!("the Sun with ({}){spin}", list(&aim.axes.boresight))
+        }
+        AimParameters::Site(site) => format!(
+            "the place at {:.4} deg north, {:.4} deg east with ({}), or nadir",
+            site.latitude_rad.to_degrees(),
+            site.longitude_rad.to_degrees(),
+            list(&site.axes.boresight)
+        ),
+    };
+    match guidance.slew_rad_s {
+        Some(rate) => format!("{aim}, led there at {:.3} deg/s", f64::from(rate).to_degrees()),
+        None => aim,
     }
 }
 

@@ -9,6 +9,7 @@ use super::rows::{
     Believed, Row, attitude_word, control_words, face_word, missing_word, norm, phase_word,
     rate_word, reason_word,
 };
+use super::transitions::cause_words;
 
 const HEADER: &[&str] = &[
     "cycle",
@@ -55,7 +56,11 @@ const HEADER: &[&str] = &[
     "dipole_body_x_am2",
     "dipole_body_y_am2",
     "dipole_body_z_am2",
+    "mode",
+    "transition",
     "control",
+    "pointing_error_deg",
+    "believed_pointing_error_deg",
     "saturated_x",
     "saturated_y",
     "saturated_z",
@@ -141,7 +146,12 @@ fn cells(row: &Row) -> Vec<String> {
     cells.all(row.commanded_am2);
     cells.all_of(row.driven_am2);
     cells.all_of(row.dipole_am2);
+    cells.add(row.mode.map_or_else(String::new, |report| report.mode.to_string()));
+    let transition = row.mode.and_then(|report| report.transition);
+    cells.add(transition.map_or("", |it| cause_words(it.cause)));
     cells.add(control_words(row.control));
+    cells.one_of(row.pointing_error_deg);
+    cells.one_of(row.believed_pointing_deg);
     cells.all(row.saturated.map(u8::from));
     cells.add(row.energy_j);
     cells.one_of(row.control_power_w);
@@ -221,7 +231,7 @@ mod tests {
 
     #[test]
     fn every_column_has_a_cell_and_a_name() {
-        for row in rows(&flown(2)) {
+        for row in rows(&flown(2), None) {
             assert_eq!(cells(&row).len(), HEADER.len());
         }
     }
@@ -230,7 +240,7 @@ mod tests {
     fn a_missing_reading_is_an_empty_cell_and_a_reason() {
         let mut flight = flown(1);
         flight.steps[0].record.gyro_rad_s[1] = Reading::Missing(MissingReason::Bus);
-        let cells = cells(&rows(&flight)[0]);
+        let cells = cells(&rows(&flight, None)[0]);
         let cell = |name| &cells[HEADER.iter().position(|&header| header == name).unwrap()];
         assert_eq!((cell("gyro_y_deg_s").as_str(), cell("gyro_status").as_str()), ("", "bus"));
         assert_eq!(cell("magnetometer_status"), "ok");

@@ -6,8 +6,10 @@ mod facts;
 pub mod history;
 mod page;
 pub mod plots;
+pub mod pointing;
 pub mod rows;
 pub mod summary;
+pub mod transitions;
 pub mod words;
 
 use std::fs;
@@ -35,15 +37,16 @@ pub fn make(folder: &Folder) -> Result<Summary> {
 /// # Errors
 /// When not a single cycle was recorded, or the folder cannot be written.
 pub fn make_of(folder: &Folder, flight: &Flight, flown: &Flown) -> Result<Summary> {
-    let rows = rows::rows(flown);
-    let Some(summary) = summary::summary(flight, flown, &rows) else {
+    let targets = pointing::Targets::of(&flight.mission.scenario);
+    let rows = rows::rows(flown, Some(&targets));
+    let Some(summary) = summary::summary(flight, flown, &rows, targets.period_s()) else {
         bail!("{}: not a single cycle was recorded", folder.records().display());
     };
     history::write(&folder.history(), &rows)?;
     let mut text = serde_json::to_string_pretty(&summary)?;
     text.push('\n');
     folder::write(&folder.summary(), text)?;
-    let plots = plots::plots(&rows)?;
+    let plots = plots::plots(&rows, &summary)?;
     let plot_folder = folder.plots();
     fs::create_dir_all(&plot_folder)
         .with_context(|| format!("{} cannot be made", plot_folder.display()))?;

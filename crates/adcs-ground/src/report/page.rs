@@ -97,6 +97,10 @@ fn world_in_words(flight: &Flight) -> &'static str {
 
 fn caption(plot: &str, summary: &Summary) -> String {
     match plot {
+        "modes" => words::modes(summary),
+        "pointing" => words::pointing(summary),
+        "pointing-settled" => words::pointing_settled(),
+        "pointing-rounds" => words::pointing_rounds(),
         "rates" => words::rates(summary),
         "field" => words::field(summary),
         "field-error" => words::field_error(),
@@ -203,6 +207,17 @@ fn numbers(summary: &Summary) -> Vec<(&'static str, String)> {
                 at.norm_deg_s
             ),
         )
+    }));
+    rows.extend(summary.pointing.as_ref().map(|it| {
+        let text = format!(
+            "{:.2} deg mean, {:.2} deg 95 %, {:.2} deg at most from {:.0} s on",
+            it.mean_deg, it.p95_deg, it.largest_deg, it.settled_s
+        );
+        ("angle to the target", text)
+    }));
+    rows.extend(summary.transitions.iter().map(|at| {
+        let time_s = at.time_ms as f64 / 1e3;
+        ("modes", format!("t = {time_s:.1} s: {} to {}: {}", at.from, at.to, at.cause))
     }));
     let damping = summary.damping.map(|damping| {
         damping.map_or_else(|| "–".to_owned(), |damping| format!("{:.3}", damping.ratio))

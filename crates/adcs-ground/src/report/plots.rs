@@ -1,14 +1,20 @@
 //! Which charts a report has.
 
 use adcs_core::attitude::selection::AttitudeSource;
+use adcs_core::modes::Mode;
+use adcs_core::schedule::Phase;
 use adcs_core::sensing::FaceVerdict;
 use anyhow::Result;
 
-use super::chart::{Chart, Series, Style, colour};
+use super::chart::{Chart, Series, Strip, Style, colour};
 use super::rows::{Row, norm};
+use super::summary::Summary;
+use super::transitions;
 
 /// How much of the flight the close-up shows, s.
 const CLOSE_UP_S: f64 = 60.0;
+/// How much of the end of a flight that points is shown round by round, s.
+const LAST_S: f64 = 300.0;
 
 /// A chart, drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,11 +29,27 @@ pub struct Plot {
 ///
 /// # Errors
 /// When one cannot be drawn.
-pub fn plots(rows: &[Row]) -> Result<Vec<Plot>> {
+pub fn plots(rows: &[Row], summary: &Summary) -> Result<Vec<Plot>> {
     let draw = |name, chart: Chart| -> Result<Plot> { Ok(Plot { name, svg: chart.svg()? }) };
     let end_s = rows.last().map_or(0.0, |row| row.time_s);
     let first_minute = rows.iter().take_while(|row| row.time_s <= CLOSE_UP_S).count();
-    let mut plots = vec![draw("rates", rates(rows))?, draw("field", field(rows))?];
+    let mut plots = Vec::new();
+    if rows.iter().any(|row| row.mode.is_some()) {
+        plots.push(draw("modes", modes(rows))?);
+    }
+    if let Some(pointing) = &summary.pointing {
+        plots.push(draw("pointing", pointing_error(rows, "Angle to the target"))?);
+        let settled = rows.partition_point(|row| row.time_s < pointing.settled_s);
+        let settled = rows.get(settled..).unwrap_or_default();
+        plots.push(draw("pointing-settled", pointing_settled(settled))?);
+        let last = rows.partition_point(|row| row.time_s < end_s - LAST_S);
+        if last > 0
+            && let Some(last) = rows.get(last..)
+        {
+            plots.push(draw("pointing-rounds", pointing_rounds(last))?);
+        }
+    }
+    plots.extend([draw("rates", rates(rows))?, draw("field", field(rows))?]);
     if rows.iter().any(|row| row.measured_field_nt.is_some()) {
         plots.push(draw("field-error", field_error(rows))?);
     }
@@ -59,7 +81,8 @@ pub fn plots(rows: &[Row]) -> Result<Vec<Plot>> {
 fn chart(title: &'static str, y_label: &'static str, rows: &[Row], series: Vec<Series>) -> Chart {
     let span_s =
         (rows.first().map_or(0.0, |row| row.time_s), rows.last().map_or(1.0, |row| row.time_s));
-    Chart { title, y_label, series, bands: Vec::new(), band_label: "", span_s, from_zero: true }
+    let (bands, strips) = (Vec::new(), Vec::new());
+    Chart { title, y_label, series, bands, band_label: "", strips, span_s, from_zero: true }
 }
 
 fn series(
@@ -94,6 +117,79 @@ fn rates(rows: &[Row]) -> Chart {
         Some(row.rate_norm_deg_s)
     }));
     chart("Rate of the body: true, and measured (pale)", "rate, deg/s", rows, all)
+}
+
+/// A colour for each mode.
+fn mode_colour(mode: Mode) -> (&'static str, plotters::style::RGBColor) {
+    match mode {
+        Mode::Off => ("off", colour::pale(colour::GREY)),
+        Mode::Safe => ("safe", colour::GREY),
+        Mode::Detumble => ("detumble", colour::ORANGE),
+        Mode::Acquire => ("acquire", colour::SKY),
+        Mode::Point => ("point", colour::GREEN),
+        Mode::Experiment => ("experiment", colour::PURPLE),
+    }
+}
+
+/// The modes along the upper edge.
+fn strips(rows: &[Row]) -> Vec<Strip> {
+    let spans = transitions::spans(rows).into_iter();
+    spans
+        .map(|(mode, spans)| {
+            let (label, colour) = mode_colour(mode);
+            Strip { label, colour, spans }
+        })
+        .collect()
+}
+
+fn modes(rows: &[Row]) -> Chart {
+    let rate = series(None, colour::BLACK, Style::Line(1.6), rows, |row| Some(row.rate_norm_deg_s));
+    let title = "Modes, and the rate of the body";
+    Chart { strips: strips(rows), ..chart(title, "|ω|, deg/s", rows, vec![rate]) }
+}
+
+/// The true angle to the target; eclipse shaded, modes along the edge.
+fn pointing_error(rows: &[Row], title: &'static str) -> Chart {
+    let error = series(None, colour::BLACK, Style::Line(1.4), rows, |row| row.pointing_error_deg);
+    Chart {
+        bands: eclipses(rows),
+        band_label: "eclipse",
+        strips: strips(rows),
+        ..chart(title, "error, deg", rows, vec![error])
+    }
+}
+
+/// The same after settling, beside what the satellite believes, and how well it knows.
+fn pointing_settled(rows: &[Row]) -> Chart {
+    let whole = pointing_error(rows, "Angle to the target, settled");
+    let sigma = series(Some("3 σ of the attitude"), colour::SKY, Style::Line(1.0), rows, |row| {
+        Some(3.0 * row.believed?.attitude_sigma_deg?)
+    });
+    let believed = series(Some("as believed"), colour::VERMILION, Style::Dots, rows, |row| {
+        row.believed_pointing_deg.filter(|_| row.phase == Phase::Measuring)
+    });
+    let truth = whole.series.into_iter().map(|truth| Series { label: Some("true"), ..truth });
+    Chart {
+        series: [sigma, believed].into_iter().chain(truth).collect(),
+        strips: Vec::new(),
+        ..pointing_error(rows, whole.title)
+    }
+}
+
+/// Some rounds of it: the torquers' windows shaded.
+fn pointing_rounds(rows: &[Row]) -> Chart {
+    let error =
+        series(Some("true"), colour::BLACK, Style::Line(1.4), rows, |row| row.pointing_error_deg);
+    let believed = series(Some("as believed"), colour::VERMILION, Style::Dots, rows, |row| {
+        row.believed_pointing_deg.filter(|_| row.phase == Phase::Measuring)
+    });
+    let title = "Angle to the target, last five minutes";
+    Chart {
+        bands: acting(rows),
+        band_label: "torquers act",
+        from_zero: false,
+        ..chart(title, "error, deg", rows, vec![error, believed])
+    }
 }
 
 fn microtesla(nt: f64) -> f64 {

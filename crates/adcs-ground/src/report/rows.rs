@@ -2,6 +2,7 @@
 
 use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
+use adcs_core::modes::ModeReport;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Phase;
@@ -11,6 +12,7 @@ use adcs_core::time::Utc;
 use adcs_link::TruthRecord;
 use adcs_link::message::DeterminationRecord;
 
+use super::pointing::Targets;
 use crate::flight::Flown;
 use crate::flight::records::Step;
 
@@ -56,8 +58,14 @@ pub struct Row {
     pub driven_am2: Option<[f64; 3]>,
     /// Dipole that truly acts from this instant on, A·m²; that of the last row is not known.
     pub dipole_am2: Option<[f64; 3]>,
+    /// What the mode machine said; `None` without modes.
+    pub mode: Option<ModeReport>,
     /// What stage III did.
     pub control: ControlStatus,
+    /// True angle from Body to the target, deg; `None` while nothing is pointed at.
+    pub pointing_error_deg: Option<f64>,
+    /// The same as the satellite believed it, deg; only while the torquers act.
+    pub believed_pointing_deg: Option<f64>,
     /// Which torquers stood at their limit.
     pub saturated: [bool; 3],
     /// Kinetic energy of turning, J.
@@ -102,10 +110,18 @@ pub struct MeasuredSun {
     pub error_deg: f64,
 }
 
-/// All rows of a flight.
-pub fn rows(flown: &Flown) -> Vec<Row> {
+/// All rows of a flight; `targets` is what it should have pointed at.
+pub fn rows(flown: &Flown, targets: Option<&Targets>) -> Vec<Row> {
     let following = flown.steps.iter().skip(1).map(Some).chain([None]);
-    flown.steps.iter().zip(following).map(|(step, next)| row(flown, step, next)).collect()
+    flown
+        .steps
+        .iter()
+        .zip(following)
+        .map(|(step, next)| Row {
+            pointing_error_deg: targets.and_then(|it| it.error_deg(&step.truth, &step.record)),
+            ..row(flown, step, next)
+        })
+        .collect()
 }
 
 fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row {
@@ -147,7 +163,10 @@ fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row
         commanded_am2: record.commanded_am2.map(f64::from),
         driven_am2: record.driven_am2.map(|dipole| dipole.map(f64::from)),
         dipole_am2: next.map(|next| next.torquer_dipole_body_am2),
+        mode: record.mode,
         control: record.control,
+        pointing_error_deg: None,
+        believed_pointing_deg: record.pointing_error_rad.map(|it| f64::from(it).to_degrees()),
         saturated: record.saturated,
         energy_j: truth.kinetic_energy_j,
         control_power_w: next.map(mean_power),
@@ -297,6 +316,7 @@ pub(super) fn control_words(control: ControlStatus) -> String {
         ControlStatus::Off => "off".to_owned(),
         ControlStatus::Resting => "resting".to_owned(),
         ControlStatus::Acting => "acting".to_owned(),
+        ControlStatus::Unplanned => "unplanned".to_owned(),
         ControlStatus::NoRate(reason) => format!("no_rate:{}", missing_word(reason)),
         ControlStatus::NoField(reason) => format!("no_field:{}", missing_word(reason)),
         ControlStatus::NoDipole => "no_dipole".to_owned(),

@@ -9,7 +9,9 @@ use adcs_core::schedule::Phase;
 use serde::Serialize;
 
 use super::damping::{Damping, damping};
+use super::pointing::{Pointing, pointing};
 use super::rows::{Row, attitude_word, missing_word, norm, reason_word};
+use super::transitions::{TransitionAt, transitions};
 use crate::flight::{Ending, Flight, Flown, World};
 
 /// Seconds between the rates that are listed.
@@ -50,6 +52,10 @@ pub struct Summary {
     pub field: Option<Field>,
     /// How well the attitude was known; `None` when none was believed.
     pub attitude: Option<Attitude>,
+    /// How well it pointed; `None` when it never aimed at anything.
+    pub pointing: Option<Pointing>,
+    /// How its modes followed each other; empty without modes.
+    pub transitions: Vec<TransitionAt>,
     /// Readings that were missing.
     pub missing: Missing,
     /// Violations of a chip's protocol that the device models counted.
@@ -180,8 +186,8 @@ pub struct Attitude {
 /// known.
 pub const SETTLED_S: f64 = 600.0;
 
-/// The numbers of a flight; `None` when not a single cycle was recorded.
-pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row]) -> Option<Summary> {
+/// The numbers of a flight in orbits of `period_s`; `None` when not a single cycle was recorded.
+pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row], period_s: f64) -> Option<Summary> {
     let (first, last) = (rows.first()?, rows.last()?);
     let ratio = |end: f64, start: f64| (start > 0.0).then(|| end / start);
     let axis = |at: usize| rows.iter().map(|row| row.rate_deg_s[at]).collect::<Vec<f64>>();
@@ -214,6 +220,8 @@ pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row]) -> Option<Summary> 
         control: control(rows, flown.cycle_s()),
         field: field(rows),
         attitude: attitude(rows),
+        pointing: pointing(rows, period_s),
+        transitions: transitions(rows),
         missing: missing(rows),
         violations: flown.end.map(|end| end.violations),
         wall_s: flight.wall_s,

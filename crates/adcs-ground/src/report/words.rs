@@ -1,5 +1,6 @@
 //! What one sees, in sentences made from the numbers.
 
+use super::pointing::CAPTURED_DEG;
 use super::summary::{Summary, Torquers};
 
 /// Below this ratio of the rates a tumble counts as decaying, above its counterpart as growing.
@@ -50,6 +51,46 @@ pub fn rates(summary: &Summary) -> String {
         some => format!("Its negative peaks: {}.", some.join("; ")),
     };
     format!("{} {swings}", verdict(summary))
+}
+
+/// About the modes.
+pub fn modes(summary: &Summary) -> String {
+    let all = summary
+        .transitions
+        .iter()
+        .map(|at| format!("{} at {:.0} s ({})", at.to, at.time_ms as f64 / 1e3, at.cause));
+    format!("The satellite's own decisions: {}.", all.collect::<Vec<_>>().join("; "))
+}
+
+/// About the angle to the target.
+pub fn pointing(summary: &Summary) -> String {
+    let Some(pointing) = &summary.pointing else {
+        return "Nothing was pointed at.".to_owned();
+    };
+    let captured = match pointing.captured_s {
+        Some(captured_s) => {
+            format!("Below {CAPTURED_DEG:.0} deg for good from {captured_s:.0} s on.")
+        }
+        None => format!("Not below {CAPTURED_DEG:.0} deg at the end."),
+    };
+    format!(
+        "The whole turn between where Body is and where it should be, by the truth. {captured} From          {:.0} s on {:.2} deg mean, {:.2} deg for 95 % of the time, {:.2} deg at most.",
+        pointing.settled_s, pointing.mean_deg, pointing.p95_deg, pointing.largest_deg
+    )
+}
+
+/// About the same, settled.
+pub fn pointing_settled() -> String {
+    "Dots are the angle as the satellite believed it when it decided. Where the black line is above \
+     the dots and the blue one, the attitude is wrong and not only the pointing."
+        .to_owned()
+}
+
+/// About the same, round by round.
+pub fn pointing_rounds() -> String {
+    "Each command is decided at a dot and held while the ground is grey; in between the satellite \
+     drifts."
+        .to_owned()
 }
 
 /// About the field.

@@ -1,5 +1,7 @@
 //! Mission files: what they become, and what is refused in them.
 
+mod guidance;
 mod loads;
+mod modes;
 mod refused;
 mod workshop;

@@ -21,13 +21,23 @@ pub(crate) enum Block {
     Products,
     /// T: torque of which nobody knows the cause, Body, in units of [`TORQUE_UNIT_N_M`].
     Torque,
+    /// S: what the residual dipole changes by in the shadow, Body, A·m²: the part that comes and goes
+    /// soon,
+    ShadowSoon,
+    /// and the part that comes and goes late.
+    ShadowLate,
+    /// b: what the magnetometer shows too much, Body, in units of [`FIELD_UNIT_T`].
+    FieldBias,
 }
 
 /// Triples of states.
-pub(crate) const COUNT: usize = 7;
+pub(crate) const COUNT: usize = 10;
 
 /// Unit of the torque states, N·m, so that they are of order one in the covariance.
 pub(crate) const TORQUE_UNIT_N_M: f64 = 1e-6;
+
+/// Unit of the states of the magnetometer's bias, T: likewise.
+pub(crate) const FIELD_UNIT_T: f64 = 1e-6;
 
 impl Block {
     /// All, in the order of the covariance.
@@ -39,6 +49,9 @@ impl Block {
         Self::Moments,
         Self::Products,
         Self::Torque,
+        Self::ShadowSoon,
+        Self::ShadowLate,
+        Self::FieldBias,
     ];
 }
 
@@ -50,4 +63,28 @@ pub struct Blocks {
     pub inertia: bool,
     /// A slowly varying torque of unknown cause.
     pub torque: bool,
+    /// A residual dipole that is another one in the shadow, where the panels carry no current; learned
+    /// from one eclipse to the next. Without it the dipole is allowed to jump at the shadow's edge.
+    pub shadow: bool,
+    /// What the magnetometer shows too much, constant in Body.
+    pub field_bias: bool,
+}
+
+impl Blocks {
+    /// Attitude, rate, gyro bias and residual dipole alone.
+    pub const NONE: Self = Self { inertia: false, torque: false, shadow: false, field_bias: false };
+
+    /// Everything.
+    pub const ALL: Self = Self { inertia: true, torque: true, shadow: true, field_bias: true };
+
+    /// Which triples fly, in the order of the covariance.
+    pub(crate) fn flying(&self) -> [bool; COUNT] {
+        Block::ALL.map(|block| match block {
+            Block::Attitude | Block::Rate | Block::Bias | Block::Dipole => true,
+            Block::Moments | Block::Products => self.inertia,
+            Block::Torque => self.torque,
+            Block::ShadowSoon | Block::ShadowLate => self.shadow,
+            Block::FieldBias => self.field_bias,
+        })
+    }
 }

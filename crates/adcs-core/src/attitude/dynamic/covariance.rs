@@ -15,7 +15,7 @@
 
 use nalgebra::{Cholesky, ComplexField, Matrix3, RealField, SMatrix, Vector3, convert};
 
-use super::block::{Block, COUNT};
+use super::block::{Block, Blocks, COUNT};
 
 /// One block for each triple.
 pub(crate) type Triples<T> = [Matrix3<T>; COUNT];
@@ -24,6 +24,7 @@ pub(crate) type Triples<T> = [Matrix3<T>; COUNT];
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Covariance<T: RealField + Copy> {
     rows: [Triples<T>; COUNT],
+    flying: [bool; COUNT],
 }
 
 /// How the two moving triples follow from all triples in one step: rows of Φ.
@@ -72,9 +73,9 @@ impl<T: RealField + Copy> Row<T> {
 }
 
 impl<T: RealField + Copy> Covariance<T> {
-    /// Nothing is uncertain.
-    pub(crate) fn zeros() -> Self {
-        Self { rows: [[Matrix3::zeros(); COUNT]; COUNT] }
+    /// Nothing is uncertain, and these triples fly.
+    pub(crate) fn zeros(blocks: Blocks) -> Self {
+        Self { rows: [[Matrix3::zeros(); COUNT]; COUNT], flying: blocks.flying() }
     }
 
     /// The block of two triples.
@@ -149,8 +150,10 @@ impl<T: RealField + Copy> Covariance<T> {
         let mut sum = [Matrix3::zeros(); COUNT];
         for (phi, row) in phi.iter().zip(&self.rows) {
             let Some(phi) = phi else { continue };
-            for (sum, p) in sum.iter_mut().zip(row) {
-                *sum += phi * p;
+            for ((sum, p), flies) in sum.iter_mut().zip(row).zip(self.flying) {
+                if flies {
+                    *sum += phi * p;
+                }
             }
         }
         sum
@@ -158,10 +161,14 @@ impl<T: RealField + Copy> Covariance<T> {
 
     /// P h.
     fn times_row(&self, row: &Row<T>) -> Step<T> {
-        self.rows.map(|blocks| {
-            let terms = blocks.iter().zip(&row.h).filter_map(|(p, h)| h.map(|h| p * h));
-            terms.fold(Vector3::zeros(), |sum, term| sum + term)
-        })
+        let mut all = [Vector3::zeros(); COUNT];
+        for ((sum, blocks), flies) in all.iter_mut().zip(&self.rows).zip(self.flying) {
+            if flies {
+                let terms = blocks.iter().zip(&row.h).filter_map(|(p, h)| h.map(|h| p * h));
+                *sum = terms.fold(Vector3::zeros(), |sum, term| sum + term);
+            }
+        }
+        all
     }
 
     /// Absorbs one measurement; `step` is what earlier rows of the same instant have already added to
@@ -196,12 +203,14 @@ impl<T: RealField + Copy> Covariance<T> {
 
     /// P + x yᵀ.
     fn add_outer(&mut self, x: &Step<T>, y: &Step<T>) {
-        for (row, x) in self.rows.iter_mut().zip(x) {
-            if *x == Vector3::zeros() {
+        for ((row, x), flies) in self.rows.iter_mut().zip(x).zip(self.flying) {
+            if !flies {
                 continue;
             }
-            for (block, y) in row.iter_mut().zip(y) {
-                *block += x * y.transpose();
+            for ((block, y), flies) in row.iter_mut().zip(y).zip(self.flying) {
+                if flies {
+                    *block += x * y.transpose();
+                }
             }
         }
     }
@@ -209,8 +218,10 @@ impl<T: RealField + Copy> Covariance<T> {
     /// P = (P + Pᵀ) / 2.
     fn symmetrise(&mut self) {
         let half: T = convert(0.5);
-        for row in Block::ALL {
-            for column in Block::ALL.into_iter().take(row as usize + 1) {
+        let flying = self.flying;
+        let flying = || Block::ALL.into_iter().zip(flying).filter_map(|(b, f)| f.then_some(b));
+        for row in flying() {
+            for column in flying().filter(|column| *column as usize <= row as usize) {
                 let mean = (self.block(row, column) + self.block(column, row).transpose()) * half;
                 self.set(row, column, &mean);
             }
@@ -250,7 +261,7 @@ mod tests {
     type Dense<T> = SMatrix<T, STATES, STATES>;
     type DenseVector<T> = SVector<T, STATES>;
 
-    /// Rounding of products of 21 × 21 numbers of order ten.
+    /// Rounding of products of 30 × 30 numbers of order ten.
     const ROUNDING: f64 = 1e-13;
 
     fn dense<T: RealField + Copy>(covariance: &Covariance<T>) -> Dense<T> {
@@ -266,7 +277,7 @@ mod tests {
     }
 
     fn of(dense: &Dense<f64>) -> Covariance<f64> {
-        let mut covariance = Covariance::zeros();
+        let mut covariance = Covariance::zeros(Blocks::ALL);
         for row in Block::ALL {
             for column in Block::ALL {
                 let corner = (3 * row as usize, 3 * column as usize);
@@ -300,8 +311,30 @@ mod tests {
         let block = |seed: f64| Some(Matrix3::from_fn(|i, j| libm::cos(seed + (5 * i + j) as f64)));
         // As it flies: the bias is not in it, and a triple that is off is not either.
         let transition = Transition {
-            attitude: [block(0.1), block(0.2), None, block(0.3), block(0.4), block(0.5), None],
-            rate: [block(1.1), block(1.2), None, block(1.3), block(1.4), block(1.5), None],
+            attitude: [
+                block(0.1),
+                block(0.2),
+                None,
+                block(0.3),
+                block(0.4),
+                block(0.5),
+                None,
+                block(0.6),
+                block(0.7),
+                None,
+            ],
+            rate: [
+                block(1.1),
+                block(1.2),
+                None,
+                block(1.3),
+                block(1.4),
+                block(1.5),
+                None,
+                block(1.6),
+                block(1.7),
+                None,
+            ],
         };
         let mut phi = Dense::identity();
         for (row, blocks) in [transition.attitude, transition.rate].iter().enumerate() {
@@ -363,7 +396,7 @@ mod tests {
         const VARIANCE: f32 = 1e-4;
         let along = Vector3::new(0.6, 0.48, 0.64);
         for h in [[(Block::Attitude, along)], [(Block::Bias, Vector3::x())]] {
-            let mut covariance = Covariance::zeros();
+            let mut covariance = Covariance::zeros(Blocks::ALL);
             for block in Block::ALL {
                 covariance.add(block, &(Matrix3::identity() * 10.0));
             }

@@ -8,7 +8,7 @@
 //! | θ̇ by θ, by δω | −[ω×], I |
 //! | δω̇ by θ | J⁻¹ ([d×][b×] + g ([r×]J − [Jr×]) [r×]) |
 //! | δω̇ by δω | J⁻¹ ([Jω×] − [ω×]J) |
-//! | δω̇ by M | −J⁻¹ [b×] |
+//! | δω̇ by M; by Sᵢ, of which the share sᵢ acts | −J⁻¹ [b×]; sᵢ times that |
 //! | δω̇ by T | J⁻¹ |
 //! | δω̇ by the parameters p of J | J⁻¹ (g [r×] N(r) − [ω×] N(ω) − N(ω̇)), N(v) p = (∂J/∂p p) v |
 //!
@@ -97,6 +97,11 @@ pub(super) fn transition<T: RealField + Copy>(
         set(block, gamma_ar * rate_by_it, gamma_rr * rate_by_it);
     };
     set_constant(Block::Dipole, inverse * -b);
+    if blocks.shadow {
+        let [soon, late] = plant.torques.shadow;
+        set_constant(Block::ShadowSoon, inverse * b * -soon);
+        set_constant(Block::ShadowLate, inverse * b * -late);
+    }
     if blocks.torque {
         set_constant(Block::Torque, inverse * convert::<f64, T>(TORQUE_UNIT_N_M));
     }
@@ -128,7 +133,8 @@ mod tests {
 
     type Errors = SVector<f64, { 3 * COUNT }>;
 
-    const BLOCKS: Blocks = Blocks { inertia: true, torque: true };
+    const SHADOW: [f64; 2] = [0.8, 0.3];
+    const BLOCKS: Blocks = Blocks::ALL;
     const TENSOR: Matrix3<f64> =
         Matrix3::new(0.052, 6e-4, -8e-4, 6e-4, 0.054, 7e-4, -8e-4, 7e-4, 0.060);
     const MEAN_MOMENT: f64 = 0.0553;
@@ -167,8 +173,11 @@ mod tests {
 
     fn torques(errors: &Errors) -> Torques<f64> {
         let torque = Vector3::new(0.2, 0.1, -0.3) + triple(errors, Block::Torque);
+        let of_shadow = triple(errors, Block::ShadowSoon) * SHADOW[0]
+            + triple(errors, Block::ShadowLate) * SHADOW[1];
         Torques {
-            dipole: Vector3::new(0.3, -0.5, 0.4) + triple(errors, Block::Dipole),
+            dipole: Vector3::new(0.3, -0.5, 0.4) + triple(errors, Block::Dipole) + of_shadow,
+            shadow: SHADOW,
             torque: torque * TORQUE_UNIT_N_M,
         }
     }
@@ -243,7 +252,10 @@ mod tests {
                 // that it gives, and of its share of the turn a/3.
                 let third = a * a * a / 6.0 + middle;
                 let (second, first) = (a * a / 4.0 + middle, a / 3.0);
-                for block in Block::ALL.into_iter().filter(|block| *block != Block::Bias) {
+                for block in Block::ALL
+                    .into_iter()
+                    .filter(|block| !matches!(block, Block::Bias | Block::FieldBias))
+                {
                     let (of_attitude, of_rate) = match block {
                         Block::Attitude => (third, second),
                         Block::Rate => (third, third),
@@ -265,7 +277,7 @@ mod tests {
     fn what_does_not_fly_moves_nothing() {
         let motion = motions()[2];
         for (inertia, torque) in [(false, false), (true, false), (false, true)] {
-            let blocks = Blocks { inertia, torque };
+            let blocks = Blocks { inertia, torque, ..Blocks::NONE };
             let plant = Plant {
                 inertia: &Inertia::new(TENSOR).unwrap(),
                 surroundings: &surroundings(),

@@ -52,7 +52,7 @@ pub struct DynamicEstimate<T: RealField + Copy = f32> {
     pub gyro_bias: Vector<Body, T>,
     /// σ of the gyro bias, each axis, rad/s.
     pub gyro_bias_sigma_rad_s: Vector<Body, T>,
-    /// Residual dipole, A·m².
+    /// Residual dipole as it is now, in sunlight or shadow, A·m².
     pub residual_dipole: Vector<Body, T>,
     /// σ of the residual dipole, each axis, A·m².
     pub residual_dipole_sigma_am2: Vector<Body, T>,
@@ -77,10 +77,10 @@ impl<T: RealField + Copy> DynamicEstimate<T> {
     ) -> Self {
         let unit: T = convert(TORQUE_UNIT_N_M);
         let p = &tracked.covariance;
-        let sigma = |block: Block| -> Vector<Body, T> {
-            let variance: Vector3<T> = p.variance(block);
+        let root = |variance: Vector3<T>| -> Vector<Body, T> {
             Vector::from_xyz(variance.map(|v| v.max(T::zero()).sqrt()))
         };
+        let sigma = |block: Block| root(p.variance(block));
         Self {
             r_bi: tracked.motion.r_bi,
             attitude_covariance: p.block(Block::Attitude, Block::Attitude),
@@ -88,8 +88,8 @@ impl<T: RealField + Copy> DynamicEstimate<T> {
             rate_covariance: p.block(Block::Rate, Block::Rate),
             gyro_bias: Vector::from_xyz(tracked.bias),
             gyro_bias_sigma_rad_s: sigma(Block::Bias),
-            residual_dipole: Vector::from_xyz(tracked.dipole),
-            residual_dipole_sigma_am2: sigma(Block::Dipole),
+            residual_dipole: Vector::from_xyz(tracked.residual_dipole()),
+            residual_dipole_sigma_am2: root(tracked.residual_dipole_variance()),
             inertia_kg_m2: tracked.inertia.tensor,
             torque: Vector::from_xyz(tracked.torque * unit),
             torque_sigma_n_m: torque_sigma * unit,

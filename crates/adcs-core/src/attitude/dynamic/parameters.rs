@@ -29,8 +29,21 @@ pub struct DynamicParameters<T> {
     /// How the residual dipole walks, each axis, A·m² per √s.
     pub dipole_walk_am2_per_sqrt_s: T,
     /// σ of what the residual dipole jumps by when the satellite enters or leaves the shadow, each
-    /// axis, A·m²: panels switch their currents.
+    /// axis, A·m²: panels switch their currents. With [`Blocks::shadow`] it is the prior of what is
+    /// learned instead.
     pub dipole_step_am2: T,
+    /// How slowly that jump comes and goes, s: the satellite cools and warms. Nobody knows this lag
+    /// before flight, so the jump is learned in two parts, one with a short lag and one with a long one,
+    /// which between them make any other. For [`Blocks::shadow`].
+    pub shadow_lags_s: [T; 2],
+    /// σ of the magnetometer's bias before anything is known of it, each axis, T. For
+    /// [`Blocks::field_bias`].
+    pub field_bias_prior_t: T,
+    /// White torque noise, each axis, N·m √s: what no state of the filter follows.
+    pub white_torque_n_m_sqrt_s: T,
+    /// How wrong the inertia tensor is taken to be where its parameters do not fly, as a share of the
+    /// mean moment: the white torque of a tumble grows by (ε J)² |ω|³.
+    pub inertia_allowance: T,
     /// The torque of unknown cause.
     pub torque: TorqueNoise<T>,
 }
@@ -61,7 +74,7 @@ impl<T: RealField + Copy> Default for DynamicParameters<T> {
         let value = convert::<f64, T>;
         Self {
             sensors: MekfParameters::default(),
-            blocks: Blocks { inertia: true, torque: true },
+            blocks: Blocks { inertia: true, torque: true, ..Blocks::NONE },
             inertia_kg_m2: [
                 [value(0.05184), value(0.00058), value(-0.00077)],
                 [value(0.00058), value(0.05416), value(0.00069)],
@@ -73,6 +86,10 @@ impl<T: RealField + Copy> Default for DynamicParameters<T> {
             dipole_prior_am2: value(0.5),
             dipole_walk_am2_per_sqrt_s: value(1e-5),
             dipole_step_am2: value(0.006),
+            shadow_lags_s: [value(60.0), value(500.0)],
+            field_bias_prior_t: value(600e-9),
+            white_torque_n_m_sqrt_s: value(0.0),
+            inertia_allowance: value(0.0),
             torque: TorqueNoise {
                 smallest_n_m: value(2e-8),
                 start_n_m: value(8e-8),
@@ -136,6 +153,7 @@ impl<T: RealField + Copy> DynamicParameters<T> {
         let TorqueNoise { smallest_n_m, start_n_m, largest_n_m, correlation_s, memory_s } =
             self.torque;
         let [m_x, m_y, m_z] = self.dipole_am2;
+        let [soon, late] = self.shadow_lags_s;
         let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
         let (smallest, largest) = (number(smallest_n_m), number(largest_n_m));
         for (name, found, from, to) in [
@@ -148,6 +166,11 @@ impl<T: RealField + Copy> DynamicParameters<T> {
             ("the prior of the residual dipole", self.dipole_prior_am2, 1e-4, 100.0),
             ("the walk of the residual dipole", self.dipole_walk_am2_per_sqrt_s, 0.0, 1.0),
             ("the step of the residual dipole", self.dipole_step_am2, 0.0, 10.0),
+            ("the short lag of that step", soon, 0.0, 1e4),
+            ("the long lag of that step", late, 0.0, 1e4),
+            ("the prior of the magnetometer's bias", self.field_bias_prior_t, 1e-12, 1e-4),
+            ("the white torque", self.white_torque_n_m_sqrt_s, 0.0, 1e-3),
+            ("the allowance for the inertia", self.inertia_allowance, 0.0, 0.5),
             ("the smallest unknown torque", smallest_n_m, 1e-10, 1e-3),
             ("the largest unknown torque", largest_n_m, smallest, 1e-3),
             ("the unknown torque at the start", start_n_m, smallest, largest),
@@ -202,7 +225,7 @@ mod tests {
     #[test]
     fn impossible_values_are_refused_by_name() {
         type Field = fn(&mut DynamicParameters<f32>) -> &mut f32;
-        let fields: [(Field, &str); 13] = [
+        let fields: [(Field, &str); 18] = [
             (|p| &mut p.moment_prior, "the prior of the moments of inertia"),
             (|p| &mut p.product_prior, "the prior of the products of inertia"),
             (|p| &mut p.dipole_am2[0], "the residual dipole along x"),
@@ -211,6 +234,11 @@ mod tests {
             (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
             (|p| &mut p.dipole_walk_am2_per_sqrt_s, "the walk of the residual dipole"),
             (|p| &mut p.dipole_step_am2, "the step of the residual dipole"),
+            (|p| &mut p.shadow_lags_s[0], "the short lag of that step"),
+            (|p| &mut p.shadow_lags_s[1], "the long lag of that step"),
+            (|p| &mut p.field_bias_prior_t, "the prior of the magnetometer's bias"),
+            (|p| &mut p.white_torque_n_m_sqrt_s, "the white torque"),
+            (|p| &mut p.inertia_allowance, "the allowance for the inertia"),
             (|p| &mut p.torque.smallest_n_m, "the smallest unknown torque"),
             (|p| &mut p.torque.start_n_m, "the unknown torque at the start"),
             (|p| &mut p.torque.largest_n_m, "the largest unknown torque"),

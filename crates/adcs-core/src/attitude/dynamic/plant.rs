@@ -47,6 +47,8 @@ pub(super) struct Surroundings<T> {
 pub(super) struct Torques<T> {
     /// Torquers and residual dipole, A·m².
     pub(super) dipole: Vector3<T>,
+    /// How much of each of the shadow's parts is in it, 0 to 1.
+    pub(super) shadow: [T; 2],
     /// Of unknown cause, N·m.
     pub(super) torque: Vector3<T>,
 }
@@ -133,7 +135,7 @@ mod tests {
     }
 
     fn no_torques() -> Torques<f64> {
-        Torques { dipole: Vector3::zeros(), torque: Vector3::zeros() }
+        Torques { dipole: Vector3::zeros(), shadow: [0.0; 2], torque: Vector3::zeros() }
     }
 
     fn diagonal() -> Inertia<f64> {

@@ -106,7 +106,7 @@ mod tests {
         let (truth, noise) = (truth_n_m / TORQUE_UNIT_N_M, noise_n_m / TORQUE_UNIT_N_M);
         let mut world = World::new();
         let mut size = TorqueSize::new(parameters);
-        let mut tracked = tracked(Blocks { inertia: true, torque: true });
+        let mut tracked = tracked(Blocks { inertia: true, torque: true, ..Blocks::NONE });
         let (mut sum, mut count) = (0.0, 0.0);
         for step in 0..40_000 {
             world.step(parameters, truth, noise, size.sigma());
@@ -160,7 +160,7 @@ mod tests {
     fn without_torque_states_sigma_stays_what_it_was_told() {
         let parameters = parameters();
         let mut size = TorqueSize::new(&parameters);
-        let mut tracked = tracked(Blocks { inertia: true, torque: false });
+        let mut tracked = tracked(Blocks { inertia: true, ..Blocks::NONE });
         tracked.torque = Vector3::repeat(1e3);
         size.follow(&parameters, &tracked, STEP_S);
         assert_eq!(size.sigma(), TorqueSize::new(&parameters).sigma());
@@ -170,7 +170,7 @@ mod tests {
     fn a_step_longer_than_the_memory_takes_the_new_value_and_no_more() {
         let parameters = parameters();
         let mut size = TorqueSize::new(&parameters);
-        let mut tracked = tracked(Blocks { inertia: true, torque: true });
+        let mut tracked = tracked(Blocks { inertia: true, torque: true, ..Blocks::NONE });
         tracked.torque = Vector3::repeat(0.5);
         tracked.covariance.set(Block::Torque, Block::Torque, &Matrix3::zeros());
         size.follow(&parameters, &tracked, 1e6);

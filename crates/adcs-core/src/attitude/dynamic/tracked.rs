@@ -24,6 +24,12 @@ pub(super) struct Tracked<T: RealField + Copy> {
     pub(super) products: Vector3<T>,
     /// Torque of unknown cause, Body, in [`TORQUE_UNIT_N_M`].
     pub(super) torque: Vector3<T>,
+    /// What the residual dipole changes by in the shadow, soon and late, Body, A·m².
+    pub(super) shadow_dipole: [Vector3<T>; 2],
+    /// Magnetometer's bias, Body, in [`FIELD_UNIT_T`].
+    pub(super) field_bias: Vector3<T>,
+    /// How much of each is there now, 0 to 1.
+    pub(super) shadow: [T; 2],
     pub(super) inertia: Inertia<T>,
     pub(super) covariance: Covariance<T>,
     pub(super) blocks: Blocks,
@@ -40,6 +46,10 @@ pub(super) struct ProcessNoise<T> {
     pub(super) torque_sigma: T,
     /// Its correlation time, s.
     pub(super) correlation_s: T,
+    /// White torque, (N·m)² s.
+    pub(super) white_torque: T,
+    /// (ε J)² of the inertia's error, (kg·m²)².
+    pub(super) inertia_error: T,
 }
 
 /// Share of the white noise that would do the same over long times as a correlated torque; the filter
@@ -62,7 +72,11 @@ impl<T: RealField + Copy> Tracked<T> {
             let more = tensor_of(&self.moments, &self.products, mean_moment);
             self.inertia = Inertia::new(parameters.inertia() + more)?;
         }
-        let torques = Torques { dipole: self.dipole + torquer_dipole, torque: self.torque * unit };
+        let torques = Torques {
+            dipole: self.residual_dipole() + torquer_dipole,
+            shadow: self.shadow,
+            torque: self.torque * unit,
+        };
         let plant = Plant { inertia: &self.inertia, surroundings, torques: &torques };
         let after = plant.stepped(&self.motion, dt_s);
         let midway = self.motion.midway(&after);
@@ -74,7 +88,9 @@ impl<T: RealField + Copy> Tracked<T> {
     }
 
     fn add_noise(&mut self, noise: &ProcessNoise<T>, dt_s: T) {
-        let ProcessNoise { bias, dipole, torque_sigma, correlation_s } = *noise;
+        let ProcessNoise { bias, dipole, torque_sigma, correlation_s, .. } = *noise;
+        let speed = self.motion.omega.norm();
+        let mut white = noise.white_torque + noise.inertia_error * speed * speed * speed;
         let p = &mut self.covariance;
         p.add(Block::Bias, &Matrix3::from_diagonal_element(bias * dt_s));
         p.add(Block::Dipole, &Matrix3::from_diagonal_element(dipole * dt_s));
@@ -91,9 +107,11 @@ impl<T: RealField + Copy> Tracked<T> {
         } else {
             let unit: T = convert(TORQUE_UNIT_N_M);
             let share: T = convert(WHITE_SHARE);
-            let density = share * share * convert(2.0) * correlation_s * variance * unit * unit;
+            white += share * share * convert(2.0) * correlation_s * variance * unit * unit;
+        }
+        if white > T::zero() {
             let inverse = self.inertia.inverse;
-            p.add(Block::Rate, &(inverse * inverse.transpose() * (density * dt_s)));
+            p.add(Block::Rate, &(inverse * inverse.transpose() * (white * dt_s)));
         }
     }
 
@@ -118,8 +136,28 @@ impl<T: RealField + Copy> Tracked<T> {
         Innovation { nis, accepted: true }
     }
 
+    /// The residual dipole as it is now, Body, A·m².
+    pub(super) fn residual_dipole(&self) -> Vector3<T> {
+        let ([s_1, s_2], [now, late]) = (&self.shadow_dipole, self.shadow);
+        self.dipole + s_1 * now + s_2 * late
+    }
+
+    /// Variance of each axis of [`Self::residual_dipole`], (A·m²)².
+    pub(super) fn residual_dipole_variance(&self) -> Vector3<T> {
+        let [soon, late] = self.shadow;
+        let parts =
+            [(Block::Dipole, T::one()), (Block::ShadowSoon, soon), (Block::ShadowLate, late)];
+        let mut sum = Vector3::zeros();
+        for (row, of_row) in parts {
+            for (column, of_column) in parts {
+                sum += self.covariance.block(row, column).diagonal() * (of_row * of_column);
+            }
+        }
+        sum
+    }
+
     fn correct(&mut self, step: &Step<T>) {
-        let [theta, rate, bias, dipole, moments, products, torque] = step;
+        let [theta, rate, bias, dipole, moments, products, torque, soon, late, field_bias] = step;
         let e = theta * convert::<f64, T>(-0.5);
         let turned =
             Quaternion::new(T::one(), e.x, e.y, e.z) * self.motion.r_bi.hamilton().into_inner();
@@ -130,13 +168,18 @@ impl<T: RealField + Copy> Tracked<T> {
         self.moments += moments;
         self.products += products;
         self.torque += torque;
+        for (part, step) in self.shadow_dipole.iter_mut().zip([soon, late]) {
+            *part += step;
+        }
+        self.field_bias += field_bias;
     }
 
     /// Whether every number is finite and no variance negative.
     pub(super) fn is_sound(&self) -> bool {
         let finite = |v: &Vector3<T>| v.iter().all(ComplexField::is_finite);
         let Self { motion, bias, dipole, moments, products, torque, .. } = self;
-        [&motion.omega, bias, dipole, moments, products, torque].into_iter().all(finite)
+        let states = [&motion.omega, bias, dipole, moments, products, torque];
+        states.into_iter().chain(&self.shadow_dipole).chain([&self.field_bias]).all(finite)
             && motion.r_bi.hamilton().coords.iter().all(ComplexField::is_finite)
             && self.covariance.is_sound()
     }
@@ -150,7 +193,7 @@ pub(super) mod tests {
     /// An estimate at rest, as well known as one that has just been taken over.
     pub(in crate::attitude::dynamic) fn tracked(blocks: Blocks) -> Tracked<f64> {
         let parameters = DynamicParameters::<f64>::default();
-        let mut covariance = Covariance::zeros();
+        let mut covariance = Covariance::zeros(blocks);
         let mut put = |block: Block, sigma: f64| {
             covariance.set(block, block, &Matrix3::from_diagonal_element(sigma * sigma));
         };
@@ -165,6 +208,13 @@ pub(super) mod tests {
         if blocks.torque {
             put(Block::Torque, 0.08);
         }
+        if blocks.shadow {
+            put(Block::ShadowSoon, 0.004);
+            put(Block::ShadowLate, 0.004);
+        }
+        if blocks.field_bias {
+            put(Block::FieldBias, 0.6);
+        }
         Tracked {
             motion: Motion { r_bi: Rotation::identity(), omega: Vector3::zeros() },
             bias: Vector3::zeros(),
@@ -172,15 +222,24 @@ pub(super) mod tests {
             moments: Vector3::zeros(),
             products: Vector3::zeros(),
             torque: Vector3::zeros(),
+            shadow_dipole: [Vector3::zeros(); 2],
+            field_bias: Vector3::zeros(),
+            shadow: [0.0; 2],
             inertia: Inertia::new(parameters.inertia()).unwrap(),
             covariance,
             blocks,
         }
     }
 
-    const ALL: Blocks = Blocks { inertia: true, torque: true };
-    const NOISE: ProcessNoise<f64> =
-        ProcessNoise { bias: 3e-12, dipole: 1e-10, torque_sigma: 0.08, correlation_s: 300.0 };
+    const ALL: Blocks = Blocks { inertia: true, torque: true, ..Blocks::NONE };
+    const NOISE: ProcessNoise<f64> = ProcessNoise {
+        bias: 3e-12,
+        dipole: 1e-10,
+        torque_sigma: 0.08,
+        correlation_s: 300.0,
+        white_torque: 0.0,
+        inertia_error: 0.0,
+    };
 
     fn field() -> Surroundings<f64> {
         Surroundings { field: Vector3::new(2e-5, -1e-5, 3e-5), up: Vector3::x(), gradient: 3.4e-6 }
@@ -256,9 +315,9 @@ pub(super) mod tests {
     #[test]
     fn without_torque_states_the_rate_takes_its_noise() {
         // A satellite at rest without dipole: 0.6² 2 τ σ² J⁻² t on the rate.
-        let only = Blocks { inertia: false, torque: false };
+        let only = Blocks::NONE;
         let mut sure = tracked(only);
-        sure.covariance = Covariance::zeros();
+        sure.covariance = Covariance::zeros(ALL);
         let noise = ProcessNoise { bias: 0.0, dipole: 0.0, ..NOISE };
         let after = propagated(sure, &noise, 1);
         let inverse = after.inertia.inverse;
@@ -271,7 +330,7 @@ pub(super) mod tests {
     #[test]
     fn blocks_that_do_not_fly_have_no_variance_and_never_move() {
         for (inertia, torque) in [(false, false), (true, false), (false, true), (true, true)] {
-            let mut it = tracked(Blocks { inertia, torque });
+            let mut it = tracked(Blocks { inertia, torque, ..Blocks::NONE });
             it.motion.omega = Vector3::new(0.06, 0.03, -0.14);
             for cycle in 0..100 {
                 it = propagated(it, &NOISE, 2);

@@ -10,12 +10,12 @@
 //!
 //! The MEKF is the judge because it assumes less: no inertia, no torque, no torquers.
 
-use nalgebra::{RealField, convert};
+use nalgebra::{Matrix3, RealField, convert};
 
 use super::block::Block;
 use super::tracked::Tracked;
 use crate::attitude::mekf::monitor::Channel;
-use crate::attitude::mekf::{self, FilterEstimate, Gates, Innovation};
+use crate::attitude::mekf::{self, FilterEstimate, Gates, Innovation, MekfParameters};
 
 /// A difference to the MEKF above this χ² (3 degrees of freedom) is no chance: once in 1e3, and both
 /// share their measurements, which makes them more alike than the sum of covariances says.
@@ -25,14 +25,24 @@ const DIFFERENCE_GATE: f64 = 16.27;
 /// the MEKF's own error wanders as slowly.
 const PATIENCE_S: f64 = 300.0;
 
-/// The attitude's difference from the MEKF's, χ² with 3 degrees of freedom.
-fn difference<T: RealField + Copy>(tracked: &Tracked<T>, kinematic: &FilterEstimate<T>) -> T {
+/// The weakest field of a low orbit, T: there an error of the magnetometer turns the MEKF furthest.
+const WEAKEST_FIELD_T: f64 = 2e-5;
+
+/// The attitude's difference from the MEKF's, χ² with 3 degrees of freedom. What a calibration leaves
+/// lasts; the MEKF, which takes it for noise, is wrong by `lasting` rad however many fields it averages.
+fn difference<T: RealField + Copy>(
+    tracked: &Tracked<T>,
+    kinematic: &FilterEstimate<T>,
+    lasting: T,
+) -> T {
     // q_mekf = (1, −θ/2) ⊗ q_dynamic.
     let between = (kinematic.r_bi * tracked.motion.r_bi.inverse()).hamilton();
     let two: T = if between.w < T::zero() { convert(2.0) } else { convert(-2.0) };
     let theta = between.imag() * two;
     let of_kinematic = kinematic.covariance.fixed_view::<3, 3>(0, 0).into_owned();
-    let sum = of_kinematic + tracked.covariance.block(Block::Attitude, Block::Attitude);
+    let sum = of_kinematic
+        + tracked.covariance.block(Block::Attitude, Block::Attitude)
+        + Matrix3::from_diagonal_element(lasting * lasting);
     let chi2 = sum.cholesky().map(|factor| theta.dot(&factor.solve(&theta)));
     chi2.unwrap_or_else(|| T::max_value().unwrap_or_else(T::one))
 }
@@ -85,12 +95,13 @@ impl<T: RealField + Copy> Watch<T> {
     /// Takes in one cycle of `dt_s`.
     pub(super) fn see(
         &mut self,
-        gates: &Gates<T>,
+        sensors: &MekfParameters<T>,
         seen: &Seen<T>,
         kinematic: &mekf::Output<T>,
         tracked: &Tracked<T>,
         dt_s: T,
     ) {
+        let gates = &sensors.gates;
         let note = |channel: &mut Channel<T>, seen: Option<Innovation<T>>, gate: T| {
             if let Some(seen) = seen {
                 channel.judge(seen.nis, gate);
@@ -106,7 +117,9 @@ impl<T: RealField + Copy> Watch<T> {
             let borne_out = self.gyro.contradicts(gates.contradictions_in_a_row)
                 && seen.field.is_some_and(|field| field.accepted)
                 && seen.sun.is_some_and(|sun| sun.accepted);
-            let agrees = borne_out || difference(tracked, estimate) <= convert(DIFFERENCE_GATE);
+            let lasting = sensors.field_noise.calibration_t / convert(WEAKEST_FIELD_T);
+            let agrees =
+                borne_out || difference(tracked, estimate, lasting) <= convert(DIFFERENCE_GATE);
             // Cycles between the MEKF's do not count: it did not speak.
             self.differs_s = if agrees { T::zero() } else { self.differs_s + dt_s };
         }
@@ -166,9 +179,9 @@ mod tests {
     /// What the watch says after `cycles` of one second.
     fn after(cycles: u32, seen: &Seen<f64>, kinematic: &mekf::Output<f64>) -> Watch<f64> {
         let mut watch = Watch::new();
-        let tracked = tracked(Blocks { inertia: true, torque: true });
+        let tracked = tracked(Blocks::ALL);
         for _ in 0..cycles {
-            watch.see(&Gates::default(), seen, kinematic, &tracked, 1.0);
+            watch.see(&MekfParameters::default(), seen, kinematic, &tracked, 1.0);
         }
         watch
     }
@@ -211,11 +224,11 @@ mod tests {
 
     #[test]
     fn one_that_is_accepted_in_between_starts_the_count_again() {
-        let (mut watch, tracked) = (Watch::new(), tracked(Blocks { inertia: true, torque: true }));
+        let (mut watch, tracked) = (Watch::new(), tracked(Blocks::ALL));
         for cycle in 0..40 {
             let sun = if cycle % 5 == 4 { GOOD } else { REFUSED };
             let seen = Seen { sun, field: None, ..ALL_GOOD };
-            watch.see(&Gates::default(), &seen, &kinematic(0.0), &tracked, 1.0);
+            watch.see(&MekfParameters::default(), &seen, &kinematic(0.0), &tracked, 1.0);
             assert!(!gives_up(&watch));
         }
         assert!(!watch.trusts(), "but four of five are too many");
@@ -280,10 +293,10 @@ mod tests {
     #[test]
     fn a_difference_is_measured_in_both_covariances() {
         // χ² = θ² / (0.02² + 0.02²), whichever sign the quaternion has.
-        let tracked = tracked(Blocks { inertia: true, torque: true });
+        let tracked = tracked(Blocks::ALL);
         for turn in [0.03, -0.03] {
             let estimate = kinematic(turn).estimate.unwrap();
-            let found = difference(&tracked, &estimate);
+            let found = difference(&tracked, &estimate, 0.0);
             assert!((found - 0.03 * 0.03 / 8e-4).abs() < 1e-3, "{found}");
         }
     }

@@ -12,8 +12,8 @@ use adcs_core::{
 };
 use adcs_hal::driver_board::DriverBoardConfig;
 use adcs_sim::scenario::{
-    DragParameters, Readings, Scenario, SensorTruth, ShapeParameters, SolarPressureParameters,
-    SunSensorsTruth, VERSION, WorldParameters,
+    COMMANDS, DragParameters, Readings, Scenario, SensorTruth, ShapeParameters,
+    SolarPressureParameters, SunSensorsTruth, VERSION, WorldParameters,
 };
 use sgp4_lite::Elements;
 
@@ -46,6 +46,7 @@ pub fn despin(readings: Readings) -> Scenario {
             },
             law: LawParameters::BDot(BDotGain::Plain { gain_am2_s_per_t: 1e5 }),
             steering: SteeringParameters::default(),
+            modes: None,
             gyro: TriadParameters::default(),
             magnetometer: TriadParameters::default(),
             sun_sensors: Some(SunFacesParameters::SPROUT),
@@ -87,6 +88,7 @@ pub fn despin(readings: Readings) -> Scenario {
             torquer_steps: 8400,
             seed: 1,
         },
+        commands: [None; COMMANDS],
         cycles: CYCLES,
     }
 }

@@ -10,7 +10,11 @@ use adcs_core::{
         mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
         selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
-    calibration::{DataSheet, Sample, Start, calibrate},
+    calibration::{
+        CoupledSample, DataSheet, Extended, NoiseShift, Sample, Start, Sums,
+        axes::{AxesCheck, AxesStep},
+        calibrate, calibrate_extended,
+    },
     control::b_dot::{BDot, BDotGain},
     environment::{
         field::FieldModel,
@@ -43,17 +47,21 @@ const TRUTH_STEPS: u32 = 25;
 
 /// Counts every stage and prints the results. Nothing here fails with the constants given.
 pub fn run(counter: &Counter) {
+    // Each with a frame of its own: together they are more than the stack.
     models(counter);
     sun(counter);
     attitude(counter);
     kinematic(counter);
     dynamic(counter);
     calibration(counter);
+    calibration_of_nine(counter);
+    recursive_calibration(counter);
     cycle(counter, &despin(Readings::Exact));
     cycle_with_chips(counter, &despin(Readings::Drivers));
 }
 
 /// The models one by one.
+#[inline(never)]
 fn models(counter: &Counter) {
     let world = despin(Readings::Exact).world;
     let (elements, now) = (world.elements, world.start);
@@ -102,6 +110,7 @@ fn sun(counter: &Counter) {
 }
 
 /// The attitude from Sun and field that disagree by a degree or two.
+#[inline(never)]
 fn attitude(counter: &Counter) {
     let pair = |body: [f32; 3], reference: [f32; 3], sigma_rad| {
         let (body, reference) = (Vector::from_xyz(body.into()), Vector::from_xyz(reference.into()));
@@ -135,6 +144,7 @@ fn sensed() -> (Reading<Vector<Body>>, FieldPair, SunPair) {
 
 /// The filter's parts, and a whole cycle of it, half a second after it started from the same Sun and
 /// field.
+#[inline(never)]
 fn kinematic(counter: &Counter) {
     let mekf = Mekf::<f32>::new(&MekfParameters::default()).expect("accepted");
     let (gyro, field, sun) = sensed();
@@ -166,6 +176,7 @@ fn kinematic(counter: &Counter) {
 /// The dynamics-aided filter with all its states, a second after it was started: a step of half a second
 /// without measurements, each measurement without a step, everything at once, and both filters with the
 /// selection between them.
+#[inline(never)]
 fn dynamic(counter: &Counter) {
     let parameters =
         EstimatorParameters::<f32> { dynamics: DynamicParameters::default(), flies: Flies::Both };
@@ -209,10 +220,14 @@ fn dynamic(counter: &Counter) {
     });
 }
 
-/// A calibration of the magnetometer from 100 readings, from the data sheet to the covariance.
-fn calibration(counter: &Counter) {
-    let samples: [Sample<f32>; 100] = core::array::from_fn(|k| {
-        // From all sides, 6 to 50 µT.
+/// Scale of x, y, z and bias of x, y, z from the readings below, in bits, as the host computes them
+/// (`the_emulated_core_finds_these_bits` of adcs-core's tests).
+const CALIBRATED_BITS: [u32; 6] =
+    [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
+
+/// 100 readings from all sides, 6 to 50 µT.
+fn readings() -> [Sample<f32>; 100] {
+    core::array::from_fn(|k| {
         let [x, y, z] = [k * 7 % 11, k * 5 % 13, k * 3 % 7].map(|step| step as f32);
         let field = Vector::<Body>::new(x - 4.5, y - 5.5, z - 3.5) * 6e-6;
         let [x, y, z] = field.to_array();
@@ -220,16 +235,68 @@ fn calibration(counter: &Counter) {
             reading: [(x - 1e-5) / 0.9, (y + 8e-6) / 1.1, (z - 5e-6) / 1.2],
             intensity: field.norm(),
         }
-    });
-    let start = Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 });
+    })
+}
+
+const DATA_SHEET: DataSheet<f32> = DataSheet { sensitivity: 1.0, zero: 0.0 };
+
+/// A calibration of the magnetometer from 100 readings, from the data sheet to the covariance.
+#[inline(never)]
+fn calibration(counter: &Counter) {
+    let (samples, start) = (readings(), Start::DataSheet(DATA_SHEET));
     let stage = Stage { counter };
     stage.count("calibrate_100", &samples, |samples| {
         calibrate(samples.iter().copied(), &start).expect("from all sides")
     });
+    let paper = calibrate(samples, &start).expect("from all sides");
+    let [s_x, s_y, s_z] = paper.scale.map(f32::to_bits);
+    let [b_x, b_y, b_z] = paper.bias.map(f32::to_bits);
+    assert_eq!([s_x, s_y, s_z, b_x, b_y, b_z], CALIBRATED_BITS, "the host finds other bits");
+}
+
+/// The same with cross-axis terms.
+#[inline(never)]
+fn calibration_of_nine(counter: &Counter) {
+    let (samples, start) = (readings(), Start::DataSheet(DATA_SHEET));
+    let stage = Stage { counter };
+    stage.count("calibrate_nine_100", &samples, |samples| {
+        let samples = samples.iter().copied().map(CoupledSample::from);
+        let found: Result<Extended<f32, 9>, _> =
+            calibrate_extended(samples, &start, NoiseShift::Kept);
+        found.expect("from all sides")
+    });
+}
+
+/// The same without keeping the readings; and which axis is which.
+#[inline(never)]
+fn recursive_calibration(counter: &Counter) {
+    let (samples, stage) = (readings(), Stage { counter });
+    let mut sums = Sums::new(DATA_SHEET, 3e-5_f32).expect("a data sheet");
+    for sample in samples {
+        sums.add(sample).expect("a reading");
+    }
+    let [first, ..] = samples;
+    stage.count("sums_add", (sums, first), |(mut sums, sample)| {
+        sums.add(sample).expect("a reading");
+        sums
+    });
+    stage.count("sums_calibrate_nine", sums, |sums| {
+        sums.calibration::<9>().expect("from all sides")
+    });
+    let step = AxesStep {
+        dt_s: 0.5,
+        rate_rad_s: [0.06, 0.03, 0.14],
+        field_t: Some([2e-5, -1e-5, 3e-5]),
+        dipole_am2: [0.1, 0.2, -0.3],
+    };
+    let mut axes = AxesCheck::new([[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.06]]);
+    axes.add(&step);
+    stage.count("axes_step", step, |step| axes.add(&step));
 }
 
 /// The truth's step, and cycles without the cost of any chip: the first of a flight, which prepares
 /// the orbit's nodes and the field's coefficients, and the costliest of the round after it.
+#[inline(never)]
 fn cycle(counter: &Counter, scenario: &Scenario) {
     let world = World::new(&scenario.world, &scenario.board).expect("a world");
     let world = RefCell::new(world);
@@ -251,6 +318,7 @@ fn cycle(counter: &Counter, scenario: &Scenario) {
 
 /// The costliest cycle of a round through drivers and simulated chips: what lies between a cycle's
 /// truth and its record.
+#[inline(never)]
 fn cycle_with_chips(counter: &Counter, scenario: &Scenario) {
     let mut costliest = 0;
     let mut left = counter.now();

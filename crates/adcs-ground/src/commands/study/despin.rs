@@ -8,7 +8,7 @@ use adcs_ground::study::despin::{Despin, Outcome, Summary, fly};
 use anyhow::Result;
 
 use super::super::console::print;
-use super::{Csv, watched};
+use super::{finish, flown, table, write};
 
 const HELP: &str = "\
 SPROUT's preset A2 with the paper's sensors (gyro once a second), from rates to (8, 8, 12) deg/s, inertia
@@ -54,7 +54,7 @@ fn case(name: &str) -> Result<Despin, String> {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let cases = if args.cases.is_empty() { &Despin::ALL[..] } else { &args.cases };
-    let mut table = Csv::create(args.csv.as_deref(), &COLUMNS)?;
+    let mut table = table(args.csv.as_deref(), &COLUMNS)?;
     print(format_args!("{} flights each", args.flights));
     print(
         "                ratio   energy   below 1 deg/s after    below 0.5 deg/s after   rate after 3 orbits",
@@ -64,13 +64,13 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     );
     for case in cases {
         let flights =
-            watched(args.flights, |flown| fly_all(args.flights, |seed| fly(*case, seed), flown))?;
+            flown(args.flights, |hear| fly_all(args.flights, |seed| fly(*case, seed), hear))?;
         for (seed, flight) in (1_u64..).zip(&flights) {
-            table.write(&row(*case, seed, flight))?;
+            write(&mut table, &row(*case, seed, flight))?;
         }
         show(*case, &Summary::new(flights));
     }
-    table.finish()?;
+    finish(table)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -10,7 +10,7 @@ use adcs_ground::study::scene::Scene;
 use anyhow::Result;
 
 use super::super::console::print;
-use super::{Csv, watched};
+use super::{flown, orbits, table};
 
 const HELP: &str = "\
 Scenes (SPROUT's preset A2, 2 orbits, sensors of the paper at 1 Hz):
@@ -61,26 +61,28 @@ fn scene(name: &str) -> Result<Scene, String> {
     Scene::named(name).ok_or_else(|| format!("there is no such scene; there are {}", names()))
 }
 
-fn orbits(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(orbits) if (0.2..=5500.0).contains(&orbits) => Ok(orbits),
-        _ => Err("a number from 0.2 to 5500 is wanted".to_owned()),
-    }
-}
-
 pub fn run(args: &Args) -> Result<ExitCode> {
     let scenes = if args.scenes.is_empty() { &Scene::ALL[..] } else { &args.scenes };
-    let mut table = Csv::create(args.csv.as_deref(), &COLUMNS)?;
+    let mut table = table(args.csv.as_deref(), &COLUMNS)?;
     for scene in scenes {
         let scene = Scene { orbits: args.orbits, ..*scene };
-        let flights = watched(args.flights, |flown| campaign::fly(&scene, args.flights, flown))?;
+        let flights = fly(&scene, args.flights)?;
         show(&scene, &flights);
-        for (seed, flight) in (1..).zip(&flights) {
-            table.write(&row(&scene, seed, flight))?;
+        if let Some(table) = &mut table {
+            for (seed, flight) in (1..).zip(&flights) {
+                table.write_record(row(&scene, seed, flight))?;
+            }
+            table.flush()?;
         }
     }
-    table.finish()?;
+    if let Some(table) = table {
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+fn fly(scene: &Scene, flights: u64) -> Result<Vec<Flight>> {
+    flown(flights, |hear| campaign::fly(scene, flights, hear))
 }
 
 fn show(scene: &Scene, flights: &[Flight]) {

@@ -2,6 +2,7 @@
 
 mod despin;
 mod filters;
+mod pointing;
 mod polarity;
 
 use std::path::Path;
@@ -21,6 +22,7 @@ pub struct Args {
 #[derive(Debug, clap::Subcommand)]
 enum Subject {
     Filters(filters::Args),
+    Pointing(pointing::Args),
     Despin(despin::Args),
     Polarity(polarity::Args),
 }
@@ -28,15 +30,49 @@ enum Subject {
 pub fn run(args: &Args) -> Result<ExitCode> {
     match &args.subject {
         Subject::Filters(args) => filters::run(args),
+        Subject::Pointing(args) => pointing::run(args),
         Subject::Despin(args) => despin::run(args),
         Subject::Polarity(args) => polarity::run(args),
     }
 }
 
-/// Flies a campaign under a bar that advances with each flight.
-fn watched<T>(flights: u64, fly: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T>) -> Result<T> {
+fn orbits(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(orbits) if (0.2..=5500.0).contains(&orbits) => Ok(orbits),
+        _ => Err("a number from 0.2 to 5500 is wanted".to_owned()),
+    }
+}
+
+/// The table that a study also writes, when it is asked for.
+fn table(path: Option<&Path>, columns: &[&str]) -> Result<Option<csv::Writer<Output>>> {
+    let Some(path) = path else { return Ok(None) };
+    let output = Output::create(path);
+    let output = output.with_context(|| format!("{} cannot be written", path.display()))?;
+    let mut table = csv::Writer::from_writer(output);
+    table.write_record(columns)?;
+    Ok(Some(table))
+}
+
+/// One row of it.
+fn write(table: &mut Option<csv::Writer<Output>>, row: &[String]) -> Result<()> {
+    if let Some(table) = table {
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// The table is complete, and appears.
+fn finish(table: Option<csv::Writer<Output>>) -> Result<()> {
+    if let Some(table) = table {
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
+    }
+    Ok(())
+}
+
+/// Flies with a progress bar that `fly` moves on by calling what it is given.
+fn flown<T>(flights: u64, fly: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T>) -> Result<T> {
     let progress = Mutex::new(Progress::of_steps(flights, true));
-    let result = fly(&|| {
+    let results = fly(&|| {
         if let Ok(progress) = progress.lock() {
             progress.advance(1);
         }
@@ -44,35 +80,5 @@ fn watched<T>(flights: u64, fly: impl FnOnce(&(dyn Fn() + Sync)) -> Result<T>) -
     if let Ok(progress) = progress.lock() {
         progress.finish();
     }
-    result
-}
-
-/// The table with one row a flight, if one is wanted; it appears when it is complete.
-struct Csv {
-    table: Option<csv::Writer<Output>>,
-}
-
-impl Csv {
-    fn create(path: Option<&Path>, columns: &[&str]) -> Result<Self> {
-        let Some(path) = path else { return Ok(Self { table: None }) };
-        let output = Output::create(path);
-        let output = output.with_context(|| format!("{} cannot be written", path.display()))?;
-        let mut table = csv::Writer::from_writer(output);
-        table.write_record(columns)?;
-        Ok(Self { table: Some(table) })
-    }
-
-    fn write(&mut self, row: &[String]) -> Result<()> {
-        if let Some(table) = &mut self.table {
-            table.write_record(row)?;
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> Result<()> {
-        if let Some(table) = self.table {
-            table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
-        }
-        Ok(())
-    }
+    results
 }

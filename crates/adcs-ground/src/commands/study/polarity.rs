@@ -13,7 +13,7 @@ use adcs_ground::study::polarity::{
 use anyhow::{Context as _, Result};
 
 use super::super::console::print;
-use super::{Csv, watched};
+use super::{finish, flown, table, write};
 
 const HELP: &str = "\
 SPROUT's preset A2 with the paper's sensors, inertia told 5 % wrong, about any axis, anywhere within two days.
@@ -88,54 +88,54 @@ impl Args {
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {
-    let mut table = Csv::create(args.csv.as_deref(), &COLUMNS)?;
+    let mut table = table(args.csv.as_deref(), &COLUMNS)?;
     let parameters = PolarityParameters::default();
     let faults = faults();
     let count = faults.len() as u64 * args.flights;
     if count > 0 {
-        let guarded = watched(count, |flown| {
+        let guarded = flown(count, |hear| {
             let fly = |number| {
                 let conditions = args.conditions(Some(args.fault(&faults, number)?));
                 fly_guarded(&conditions, &parameters, args.listen, number, true)
             };
-            fly_all(count, fly, flown)
+            fly_all(count, fly, hear)
         })?;
         show_guarded(&guarded);
         for (number, flight) in (1..).zip(&guarded) {
-            table.write(&guarded_row("guard", number, flight))?;
+            write(&mut table, &guarded_row("guard", number, flight))?;
         }
-        let checked = watched(count, |flown| {
+        let checked = flown(count, |hear| {
             let fly = |number| {
                 let conditions = args.conditions(Some(args.fault(&faults, number)?));
                 fly_check(&conditions, &parameters, number)
             };
-            fly_all(count, fly, flown)
+            fly_all(count, fly, hear)
         })?;
         show_checked(&Device::ALL.map(Some), &checked);
         for (number, check) in (1..).zip(&checked) {
-            table.write(&checked_row(number, check))?;
+            write(&mut table, &checked_row(number, check))?;
         }
     }
     if args.sound > 0 {
         let conditions = args.conditions(None);
-        let sound = watched(args.sound, |flown| {
+        let sound = flown(args.sound, |hear| {
             let fly = |seed| fly_guarded(&conditions, &parameters, args.listen, seed, false);
-            fly_all(args.sound, fly, flown)
+            fly_all(args.sound, fly, hear)
         })?;
         show_sound(&sound);
-        let checked = watched(args.sound, |flown| {
+        let checked = flown(args.sound, |hear| {
             let fly = |seed| fly_check(&conditions, &parameters, seed);
-            fly_all(args.sound, fly, flown)
+            fly_all(args.sound, fly, hear)
         })?;
         show_checked(&[None], &checked);
         for (number, check) in (1..).zip(&checked) {
-            table.write(&checked_row(number, check))?;
+            write(&mut table, &checked_row(number, check))?;
         }
         for (number, flight) in (1..).zip(&sound) {
-            table.write(&guarded_row("sound", number, flight))?;
+            write(&mut table, &guarded_row("sound", number, flight))?;
         }
     }
-    table.finish()?;
+    finish(table)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -24,6 +24,7 @@ pub fn sprout(law: LawParameters) -> Result<FlightParameters> {
         schedule: ScheduleParameters { on_us: 10_000_000, off_us: 2_500_000, settle_us: 500_000 },
         law,
         steering: SteeringParameters::default(),
+        modes: None,
         gyro: TriadParameters::default(),
         magnetometer: TriadParameters::default(),
         sun_sensors: None,

@@ -232,6 +232,7 @@ impl ClosedLoop {
             field_t: shown.field_t,
             sun_a: shown.sun_a,
             carried: self.told,
+            commanded: None,
         };
         let thoughts = cycle(&self.configuration, &mut self.state, &inputs);
         let moment = Moment { now, phase, truth, carried: self.told, thoughts };

@@ -1,0 +1,156 @@
+//! What the law is told: its weights, its horizon and the satellite's inertia.
+
+use core::fmt;
+
+use nalgebra::{ComplexField, Matrix3, RealField, convert};
+use serde::{Deserialize, Serialize};
+
+use super::plan::NODES;
+
+/// The law as stored and uplinked.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PeriodicParameters<T = f32> {
+    /// e₀: the error of attitude that weighs as much as ω₀ and m₀, rad.
+    pub attitude_weight_rad: T,
+    /// ω₀, rad/s.
+    pub rate_weight_rad_s: T,
+    /// m₀, A·m².
+    pub dipole_weight_am2: T,
+    /// Step of the sweep, s.
+    pub step_s: T,
+    /// How far the sweep looks ahead, s.
+    pub horizon_s: T,
+    /// J, Body, kg·m².
+    pub inertia_kg_m2: [[T; 3]; 3],
+}
+
+impl<T: RealField + Copy> Default for PeriodicParameters<T> {
+    /// The weights and the horizon of an independent study of SPROUT (docs/control): 5 deg, 0.05 deg/s,
+    /// 0.01 A·m² (0.003 to 0.03 makes no difference), a little less than two orbits; SPROUT's assumed
+    /// inertia.
+    fn default() -> Self {
+        let value = convert::<f64, T>;
+        let deg = core::f64::consts::PI / 180.0;
+        Self {
+            attitude_weight_rad: value(5.0 * deg),
+            rate_weight_rad_s: value(0.05 * deg),
+            dipole_weight_am2: value(0.01),
+            step_s: value(120.0),
+            horizon_s: value(10_800.0),
+            inertia_kg_m2: [
+                [value(0.05184), value(0.00058), value(-0.00077)],
+                [value(0.00058), value(0.05416), value(0.00069)],
+                [value(-0.00077), value(0.00069), value(0.05978)],
+            ],
+        }
+    }
+}
+
+/// Why parameters are refused; what was in force stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PeriodicError {
+    /// The inertia tensor is not symmetric, not positive definite, or not finite.
+    Inertia,
+    /// A number outside its range.
+    OutOfRange {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: f64,
+        /// The smallest that is accepted.
+        from: f64,
+        /// The largest that is accepted.
+        to: f64,
+    },
+}
+
+impl fmt::Display for PeriodicError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Inertia => {
+                write!(f, "the inertia tensor must be symmetric and positive definite")
+            }
+            Self::OutOfRange { name, found, from, to } => {
+                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PeriodicError {}
+
+impl<T: RealField + Copy> PeriodicParameters<T> {
+    /// Whether the law can work with this; its inertia tensor, and the inverse.
+    pub(super) fn check(&self) -> Result<[Matrix3<T>; 2], PeriodicError> {
+        let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
+        let step = number(self.step_s);
+        // The sweep keeps NODES of them, and looks further than it keeps.
+        let kept = step * (NODES - 1) as f64;
+        for (name, found, from, to) in [
+            ("the weight of attitude", self.attitude_weight_rad, 1e-3, 1.0),
+            ("the weight of rate", self.rate_weight_rad_s, 1e-6, 1.0),
+            ("the weight of the dipole", self.dipole_weight_am2, 1e-6, 1e3),
+            ("the step of the sweep", self.step_s, 10.0, 240.0),
+            ("the horizon of the sweep", self.horizon_s, kept, 16.0 * kept),
+        ] {
+            let found: f64 = number(found);
+            if !(from..=to).contains(&found) {
+                return Err(PeriodicError::OutOfRange { name, found, from, to });
+            }
+        }
+        let inertia = Matrix3::from(self.inertia_kg_m2).transpose();
+        let symmetric =
+            inertia == inertia.transpose() && inertia.iter().all(ComplexField::is_finite);
+        match inertia.try_inverse() {
+            Some(inverse) if symmetric && inertia.cholesky().is_some() => Ok([inertia, inverse]),
+            _ => Err(PeriodicError::Inertia),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Change = fn(&mut PeriodicParameters<f32>);
+
+    fn refused(change: Change) -> Option<PeriodicError> {
+        let mut parameters = PeriodicParameters::default();
+        change(&mut parameters);
+        parameters.check().err()
+    }
+
+    #[test]
+    fn the_default_is_accepted() {
+        assert_eq!(refused(|_| ()), None);
+    }
+
+    #[test]
+    fn what_no_satellite_flies_is_refused_by_name() {
+        let changes: [(Change, &str); 7] = [
+            (|p| p.attitude_weight_rad = f32::NAN, "the weight of attitude"),
+            // Degrees.
+            (|p| p.attitude_weight_rad = 5.0, "the weight of attitude"),
+            (|p| p.rate_weight_rad_s = -1.0, "the weight of rate"),
+            (|p| p.dipole_weight_am2 = 0.0, "the weight of the dipole"),
+            (|p| p.step_s = 600.0, "the step of the sweep"),
+            (|p| p.horizon_s = 600.0, "the horizon of the sweep"),
+            (|p| p.horizon_s = f32::INFINITY, "the horizon of the sweep"),
+        ];
+        for (change, expected) in changes {
+            match refused(change) {
+                Some(PeriodicError::OutOfRange { name, .. }) => assert_eq!(name, expected),
+                other => panic!("{expected}: {other:?}"),
+            }
+        }
+        for change in [
+            (|p| p.inertia_kg_m2[0][1] = 0.01) as Change,
+            |p| p.inertia_kg_m2[0][0] = -0.05,
+            |p| p.inertia_kg_m2[2][2] = f32::NAN,
+        ] {
+            assert_eq!(refused(change), Some(PeriodicError::Inertia));
+        }
+    }
+}

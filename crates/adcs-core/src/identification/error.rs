@@ -1,0 +1,60 @@
+//! Why nothing is identified.
+
+use core::fmt;
+
+/// Why nothing is identified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum IdentificationError {
+    /// Fewer equations than three for each unknown.
+    TooFew {
+        /// How many there are.
+        found: u32,
+        /// How many it takes.
+        needed: u32,
+    },
+    /// The record does not tell the unknowns apart.
+    PoorGeometry {
+        /// Condition of the scaled normal matrix.
+        condition: f32,
+        /// The largest that is accepted.
+        limit: f32,
+        /// The unknown with the largest part in the combination that is known least, from 0.
+        weakest: u8,
+    },
+    /// The tensor is not symmetric and positive.
+    Inertia,
+    /// A length of time is not finite and positive.
+    Interval {
+        /// What was given, s.
+        found: f32,
+    },
+    /// The numbers are too large, or too small, for the type.
+    OutOfRange,
+}
+
+impl fmt::Display for IdentificationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFew { found, needed } => {
+                write!(
+                    f,
+                    "{found} equations are too few: it takes {needed}, three for each unknown"
+                )
+            }
+            Self::PoorGeometry { condition, limit, weakest } => write!(
+                f,
+                "the record does not tell the unknowns apart: condition {condition}, at most {limit}; \
+                 known least is unknown {weakest}"
+            ),
+            Self::Inertia => write!(f, "the inertia tensor must be symmetric and positive"),
+            Self::Interval { found } => {
+                write!(f, "an interval of {found} s must be finite and positive")
+            }
+            Self::OutOfRange => write!(f, "the numbers are too large or too small to compute with"),
+        }
+    }
+}
+
+impl core::error::Error for IdentificationError {}

@@ -1,0 +1,199 @@
+//! Linear least squares over sums, with the covariance that the residuals show.
+
+use nalgebra::{RealField, SMatrix, SVector};
+
+use super::error::IdentificationError;
+use super::{number, shown};
+use crate::calibration::Spectrum;
+
+/// Above this condition of the scaled normal matrix the combination of unknowns known least is uncertain
+/// by 100 times what the best one is.
+pub const MAX_CONDITION: f64 = 1e4;
+/// Equations for each unknown.
+const PER_UNKNOWN: u32 = 3;
+
+/// Sums of equations aᵀx = y, of errors that are alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normal<T: RealField + Copy, const N: usize> {
+    /// Σ a aᵀ
+    normal: SMatrix<T, N, N>,
+    /// Σ a y
+    right: SVector<T, N>,
+    /// Σ y²
+    squares: T,
+    equations: u32,
+    /// Of the equations, taken by unknowns that are not asked for.
+    spent: u32,
+}
+
+/// Unknowns, and how well they are known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution<T: RealField + Copy, const N: usize> {
+    /// The unknowns.
+    pub x: SVector<T, N>,
+    /// Their covariance, from the residuals.
+    pub covariance: SMatrix<T, N, N>,
+    /// Root mean square of what is left of an equation.
+    pub residual_rms: T,
+    /// Condition of the normal matrix with its diagonal scaled to ones.
+    pub condition: T,
+    /// How many equations there were.
+    pub equations: u32,
+}
+
+impl<T: RealField + Copy, const N: usize> Solution<T, N> {
+    /// Standard deviations of the unknowns.
+    pub fn sigma(&self) -> SVector<T, N> {
+        self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt())
+    }
+}
+
+impl<T: RealField + Copy, const N: usize> Default for Normal<T, N> {
+    fn default() -> Self {
+        Self {
+            normal: SMatrix::zeros(),
+            right: SVector::zeros(),
+            squares: T::zero(),
+            equations: 0,
+            spent: 0,
+        }
+    }
+}
+
+impl<T: RealField + Copy, const N: usize> Normal<T, N> {
+    /// Adds three equations, the rows of `a`.
+    pub fn add(&mut self, a: &SMatrix<T, 3, N>, y: &SVector<T, 3>) {
+        self.normal += a.tr_mul(a);
+        self.right += a.tr_mul(y);
+        self.squares += y.norm_squared();
+        self.equations = self.equations.saturating_add(3);
+    }
+
+    /// Adds one equation.
+    pub fn add_one(&mut self, a: &SVector<T, N>, y: T) {
+        self.normal += a * a.transpose();
+        self.right += a * y;
+        self.squares += y * y;
+        self.equations = self.equations.saturating_add(1);
+    }
+
+    /// Adds other sums that used up three unknowns of their own: a constant in each of three equations.
+    pub(super) fn add_centred(&mut self, a: &Centred<T, N>) {
+        if let Some(other) = a.sums() {
+            self.normal += other.normal;
+            self.right += other.right;
+            self.squares += other.squares;
+            self.equations = self.equations.saturating_add(other.equations);
+            self.spent = self.spent.saturating_add(3);
+        }
+    }
+
+    /// Solves.
+    ///
+    /// # Errors
+    /// [`IdentificationError`]: too few equations, or unknowns that they do not tell apart.
+    pub fn solve(&self) -> Result<Solution<T, N>, IdentificationError> {
+        let needed = PER_UNKNOWN * N as u32;
+        let found = self.equations.saturating_sub(self.spent);
+        if found < needed {
+            return Err(IdentificationError::TooFew { found, needed });
+        }
+        let spectrum = Spectrum::of(&self.normal);
+        let (condition, limit) = (spectrum.condition(), number(MAX_CONDITION));
+        // A NaN fails the comparison.
+        let supported = condition <= limit;
+        if !supported {
+            return Err(IdentificationError::PoorGeometry {
+                condition: shown(condition),
+                limit: shown(limit),
+                weakest: spectrum.weakest() as u8,
+            });
+        }
+        let x = spectrum.step(&-self.right, T::zero());
+        let left = (self.squares - x.dot(&self.right)).max(T::zero());
+        let freedom = number::<T>(f64::from(found) - N as f64);
+        let covariance = spectrum.inverse() * (left / freedom);
+        let finite = x.iter().chain(covariance.iter()).all(nalgebra::ComplexField::is_finite);
+        if !finite {
+            return Err(IdentificationError::OutOfRange);
+        }
+        let residual_rms = (left / freedom).sqrt();
+        Ok(Solution { x, covariance, residual_rms, condition, equations: found })
+    }
+}
+
+/// Sums of three equations each that share a constant, y = a x + c: taken about their mean, which is the
+/// same as solving for c.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Centred<T: RealField + Copy, const N: usize> {
+    normal: Normal<T, N>,
+    sum_a: SMatrix<T, 3, N>,
+    sum_y: SVector<T, 3>,
+    count: T,
+}
+
+impl<T: RealField + Copy, const N: usize> Default for Centred<T, N> {
+    fn default() -> Self {
+        Self {
+            normal: Normal::default(),
+            sum_a: SMatrix::zeros(),
+            sum_y: SVector::zeros(),
+            count: T::zero(),
+        }
+    }
+}
+
+impl<T: RealField + Copy, const N: usize> Centred<T, N> {
+    pub fn add(&mut self, a: &SMatrix<T, 3, N>, y: &SVector<T, 3>) {
+        self.normal.add(a, y);
+        self.sum_a += a;
+        self.sum_y += y;
+        self.count += T::one();
+    }
+
+    /// About the mean; `None` of fewer than two.
+    fn sums(&self) -> Option<Normal<T, N>> {
+        let several = self.count >= number(2.0);
+        let part = several.then(|| T::one() / self.count)?;
+        Some(Normal {
+            normal: self.normal.normal - self.sum_a.tr_mul(&self.sum_a) * part,
+            right: self.normal.right - self.sum_a.tr_mul(&self.sum_y) * part,
+            squares: self.normal.squares - self.sum_y.norm_squared() * part,
+            equations: self.normal.equations,
+            spent: 0,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Matrix3x2, Vector2, Vector3};
+
+    #[test]
+    fn a_line_is_found_through_segments_with_constants_of_their_own() {
+        let truth = Vector2::new(2.0, -3.0);
+        let mut normal = Normal::<f64, 2>::default();
+        for segment in 0..3 {
+            let constant = Vector3::new(1.0, 2.0, 3.0) * f64::from(segment);
+            let mut centred = Centred::default();
+            for k in 0..10 {
+                let a = Matrix3x2::from_fn(|i, j| f64::from(k * k * (j as i32 + 1) + i as i32 * k));
+                centred.add(&a, &(a * truth + constant));
+            }
+            normal.add_centred(&centred);
+        }
+        let solution = normal.solve().unwrap();
+        assert!((solution.x - truth).norm() < 1e-9, "{}", solution.x);
+        assert_eq!(solution.equations, 90 - 9);
+    }
+
+    #[test]
+    fn what_is_not_told_apart_is_named() {
+        let mut normal = Normal::<f32, 2>::default();
+        assert_eq!(normal.solve(), Err(IdentificationError::TooFew { found: 0, needed: 6 }));
+        (0..10).for_each(|_| normal.add_one(&Vector2::new(1.0, 0.0), 1.0));
+        let error = normal.solve().unwrap_err();
+        assert!(matches!(error, IdentificationError::PoorGeometry { weakest: 1, .. }), "{error}");
+    }
+}

@@ -1,0 +1,287 @@
+//! Sections `modes` and `commands`: the mode machine, and what the ground tells it on the way.
+
+use adcs_app::{FlownParameters, ModesParameters, ParameterError};
+use adcs_core::attitude::selection::{EstimatorParameters, Flies};
+use adcs_core::modes::{Mode, ModeError, ModeNumber, ModeParameters, Needs};
+use adcs_core::schedule::ScheduleParameters;
+use adcs_sim::scenario::{COMMANDS, TimedCommand};
+
+use super::control::{self, Usual};
+use super::problem::Fault;
+use super::section::Section;
+use super::typed::FINITE;
+
+/// Every mode by its name.
+const MODES: [(&str, Mode); 6] = [
+    ("off", Mode::Off),
+    ("safe", Mode::Safe),
+    ("detumble", Mode::Detumble),
+    ("acquire", Mode::Acquire),
+    ("point", Mode::Point),
+    ("experiment", Mode::Experiment),
+];
+
+const DIPOLE_SIGMA: &str = "dipole_sigma_am2";
+const EXPERIMENT: &str = "experiment";
+
+/// The keys of the numbers.
+const NUMBERS: [(ModeNumber, &str); 21] = [
+    (ModeNumber::Despun, "despun_deg_s"),
+    (ModeNumber::DespunFor, "despun_for_s"),
+    (ModeNumber::Tumbling, "tumbling_deg_s"),
+    (ModeNumber::TumblingFor, "tumbling_for_s"),
+    (ModeNumber::DetumbleLimit, "detumble_limit_s"),
+    (ModeNumber::AttitudeSigma, "attitude_sigma_deg"),
+    (ModeNumber::DipoleSigma, DIPOLE_SIGMA),
+    (ModeNumber::Slow, "slow_deg_s"),
+    (ModeNumber::TrustedFor, "trusted_for_s"),
+    (ModeNumber::AcquireLimit, "acquire_limit_s"),
+    (ModeNumber::LostFor, "lost_for_s"),
+    (ModeNumber::Captured, "captured_deg"),
+    (ModeNumber::CapturedFor, "captured_for_s"),
+    (ModeNumber::CaptureLimit, "capture_limit_s"),
+    (ModeNumber::Experiment, "experiment_s"),
+    (ModeNumber::SensorGap, "sensor_gap_s"),
+    (ModeNumber::SunGap, "sun_gap_s"),
+    (ModeNumber::GrowingRounds, "growing_rounds"),
+    (ModeNumber::GrowingFactor, "growing_factor"),
+    (ModeNumber::Diverged, "diverged_deg"),
+    (ModeNumber::Recovery, "recovery_s"),
+];
+
+/// The key of a number.
+fn key_of(number: ModeNumber) -> &'static str {
+    NUMBERS.iter().find(|(known, _)| *known == number).map_or("start", |(_, key)| key)
+}
+
+/// What the mode machine is held against.
+pub(super) struct Beside {
+    /// The law that points, and what surrounds it; `None` when it is refused.
+    pub pointing: Option<FlownParameters>,
+    pub attitude: Option<EstimatorParameters>,
+    pub schedule: Option<ScheduleParameters>,
+}
+
+/// Section `modes`; `Some(None)` when there is none.
+pub(super) fn modes(
+    root: &Section,
+    usual: &Usual,
+    beside: &Beside,
+) -> Option<Option<ModesParameters>> {
+    let Some(section) = root.section_if_any("modes")? else { return Some(None) };
+    let despin = section.section("detumble").and_then(|law| control::flown(&law, usual));
+    let experiment = match section.section_if_any(EXPERIMENT)? {
+        Some(law) => control::flown(&law, usual).map(Some),
+        None => Some(None),
+    };
+    let table = table(&section, beside.attitude.as_ref());
+    section.finish();
+
+    let flown = |(law, steering)| FlownParameters { law, steering };
+    let modes = ModesParameters {
+        table: table?,
+        despin: flown(despin?),
+        experiment: experiment?.map(flown),
+    };
+    let round = beside.schedule?.round();
+    let pointing = beside.pointing?.accept(round).ok()?;
+    if let Err(error) = modes.accept(&pointing, beside.attitude.as_ref()) {
+        refuse(root, &section, &error);
+        return None;
+    }
+    Some(Some(modes))
+}
+
+/// Says at its key what the flight software refuses.
+fn refuse(root: &Section, section: &Section, error: &ParameterError) {
+    let key = match error {
+        ParameterError::Modes(ModeError::OutOfRange { number, .. }) => key_of(*number),
+        ParameterError::Modes(ModeError::NoHysteresis { outer, .. }) => key_of(*outer),
+        ParameterError::Modes(ModeError::ExperimentNext) => "experiment_next",
+        ParameterError::Modes(ModeError::NoDipole) => DIPOLE_SIGMA,
+        ParameterError::Modes(ModeError::NotDespin) => "detumble",
+        ParameterError::Modes(ModeError::NotPointing) => {
+            let advice = "with modes [law] is what flies in mode point";
+            let fault = Fault::advising(error.to_string(), advice);
+            if let Some(law) = root.section("law") {
+                law.refuse("kind", fault);
+            }
+            return;
+        }
+        ParameterError::Modes(ModeError::NoAttitude) => {
+            let fault = Fault::advising(error.to_string(), "add the section [attitude]");
+            section.refuse("", fault);
+            return;
+        }
+        _ => "start",
+    };
+    section.refuse(key, Fault::new(in_degrees(error)));
+}
+
+/// What is wrong, with angles in degrees.
+fn in_degrees(error: &ParameterError) -> String {
+    match *error {
+        ParameterError::Modes(ModeError::OutOfRange { number, found, least, most }) => {
+            let is_angle = key_of(number).contains("_deg");
+            let shown = |x: f32| {
+                let x = f64::from(x);
+                // Seven digits are what there is of an f32; four of them are enough here.
+                let x = if is_angle { x.to_degrees() } else { x };
+                format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+            };
+            let (found, least, most) = (shown(found), shown(least), shown(most));
+            format!("{found} is impossible: must be from {least} to {most}")
+        }
+        ParameterError::Modes(ModeError::NoHysteresis { inner, .. }) => {
+            format!("must be larger than {}, or the modes alternate", key_of(inner))
+        }
+        ref other => other.to_string(),
+    }
+}
+
+fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<ModeParameters> {
+    let usual = ModeParameters::default();
+    let start = section.choice_or("start", &MODES, usual.start);
+    let next = section.choice_or("experiment_next", &MODES, usual.experiment_next);
+    let despin_needs = needs(section, "detumble_needs", usual.despin_needs);
+    let pointing_needs = needs(section, "pointing_needs", usual.pointing_needs);
+    let retries = section.integer_or("retries", 0..=255, i64::from(usual.retries));
+    let number = |number: ModeNumber, default: f32| {
+        let key = key_of(number);
+        let is_angle = key.contains("_deg");
+        let default = f64::from(default);
+        let shown = if is_angle { default.to_degrees() } else { default };
+        let value = section.number_or(key, FINITE, shown)?;
+        Some((if is_angle { value.to_radians() } else { value }) as f32)
+    };
+    let has_dipole = attitude.is_some_and(|it| it.flies == Flies::Both);
+    let dipole = usual.dipole_sigma_am2.unwrap_or_default();
+    let dipole = if has_dipole || section.has(DIPOLE_SIGMA) {
+        number(ModeNumber::DipoleSigma, dipole).map(Some)
+    } else {
+        Some(None)
+    };
+    let rounds = section.integer_or(
+        key_of(ModeNumber::GrowingRounds),
+        2..=10_000,
+        usual.growing_rounds.into(),
+    );
+    let [
+        despun,
+        despun_for,
+        tumbling,
+        tumbling_for,
+        detumble_limit,
+        attitude_sigma,
+        slow,
+        trusted_for,
+        acquire_limit,
+        lost_for,
+        captured,
+        captured_for,
+        capture_limit,
+        experiment,
+        sensor_gap,
+        sun_gap,
+        factor,
+        diverged,
+        recovery,
+    ] = [
+        number(ModeNumber::Despun, usual.despun_rad_s),
+        number(ModeNumber::DespunFor, usual.despun_for_s),
+        number(ModeNumber::Tumbling, usual.tumbling_rad_s),
+        number(ModeNumber::TumblingFor, usual.tumbling_for_s),
+        number(ModeNumber::DetumbleLimit, usual.detumble_limit_s),
+        number(ModeNumber::AttitudeSigma, usual.attitude_sigma_rad),
+        number(ModeNumber::Slow, usual.slow_rad_s),
+        number(ModeNumber::TrustedFor, usual.trusted_for_s),
+        number(ModeNumber::AcquireLimit, usual.acquire_limit_s),
+        number(ModeNumber::LostFor, usual.lost_for_s),
+        number(ModeNumber::Captured, usual.captured_rad),
+        number(ModeNumber::CapturedFor, usual.captured_for_s),
+        number(ModeNumber::CaptureLimit, usual.capture_limit_s),
+        number(ModeNumber::Experiment, usual.experiment_s),
+        number(ModeNumber::SensorGap, usual.sensor_gap_s),
+        number(ModeNumber::SunGap, usual.sun_gap_s),
+        number(ModeNumber::GrowingFactor, usual.growing_factor),
+        number(ModeNumber::Diverged, usual.diverged_rad),
+        number(ModeNumber::Recovery, usual.recovery_s),
+    ];
+    Some(ModeParameters {
+        start: start?,
+        despun_rad_s: despun?,
+        despun_for_s: despun_for?,
+        tumbling_rad_s: tumbling?,
+        tumbling_for_s: tumbling_for?,
+        detumble_limit_s: detumble_limit?,
+        attitude_sigma_rad: attitude_sigma?,
+        dipole_sigma_am2: dipole?,
+        slow_rad_s: slow?,
+        trusted_for_s: trusted_for?,
+        acquire_limit_s: acquire_limit?,
+        lost_for_s: lost_for?,
+        captured_rad: captured?,
+        captured_for_s: captured_for?,
+        capture_limit_s: capture_limit?,
+        experiment_s: experiment?,
+        experiment_next: next?,
+        sensor_gap_s: sensor_gap?,
+        sun_gap_s: sun_gap?,
+        despin_needs: despin_needs?,
+        pointing_needs: pointing_needs?,
+        growing_rounds: u16::try_from(rounds?).ok()?,
+        growing_factor: factor?,
+        diverged_rad: diverged?,
+        recovery_s: recovery?,
+        retries: u8::try_from(retries?).ok()?,
+    })
+}
+
+fn needs(section: &Section, key: &'static str, usual: Needs) -> Option<Needs> {
+    if !section.has(key) {
+        return Some(usual);
+    }
+    let words = section.choices(key, &[("gyro", "gyro"), ("sun", "sun")])?;
+    Some(Needs { gyro: words.contains(&"gyro"), sun: words.contains(&"sun") })
+}
+
+/// Section `commands`: at which times which modes are asked for.
+pub(super) fn commands(
+    root: &Section,
+    cycles: Option<(u32, u32)>,
+    has_modes: bool,
+) -> Option<[Option<TimedCommand>; COMMANDS]> {
+    const AT: &str = "at_s";
+    const ENTER: &str = "enter";
+    let none = [None; COMMANDS];
+    let Some(section) = root.section_if_any("commands")? else { return Some(none) };
+    let at_us = section.list_of_micros(AT, 0.0..=super::MAX_DURATION_S);
+    let words = section.choices(ENTER, &MODES.map(|(name, _)| (name, name)));
+    section.finish();
+    let ((cycle_us, cycles), at_us, words) = (cycles?, at_us?, words?);
+    let refuse = |key, reason: String, advice: &str| {
+        section.refuse(key, Fault::advising(reason, advice));
+        None
+    };
+    if !has_modes {
+        return refuse(ENTER, "there are no modes to enter".to_owned(), "add the section [modes]");
+    }
+    if at_us.len() != words.len() {
+        let reason = format!("{} commands for {} times", words.len(), at_us.len());
+        return refuse(ENTER, reason, "name one mode for each time");
+    }
+    if at_us.len() > COMMANDS {
+        return refuse(AT, format!("more than {COMMANDS} commands"), "");
+    }
+    let mut commands = none;
+    for ((slot, at_us), word) in commands.iter_mut().zip(at_us).zip(words) {
+        let cycle = at_us / i64::from(cycle_us);
+        if at_us % i64::from(cycle_us) != 0 || cycle > i64::from(cycles) {
+            let reason = format!("{} s is not the instant of a cycle", at_us as f64 / 1e6);
+            return refuse(AT, reason, "");
+        }
+        let enter = MODES.iter().find(|(name, _)| *name == word).map(|(_, mode)| *mode)?;
+        *slot = Some(TimedCommand { cycle: u32::try_from(cycle).ok()?, enter });
+    }
+    Some(commands)
+}

@@ -37,7 +37,6 @@ enum Command {
     Calibrate(commands::calibrate::Args),
     Identify(commands::identify::Args),
     Certify(commands::certify::Args),
-    /// How well the filters do
     Study(commands::study::Args),
 }
 

@@ -3,9 +3,9 @@
 //! It runs with the schedule of the laws, one pulse a round: +x, −y, +z, −x, +y, −z, … of the torquers'
 //! full dipole, while
 //!
-//! 1. [`turning`](super::turning) finds the wiring G of the gyro that explains the fields. What mirrors is
+//! 1. `turning` finds the wiring G of the gyro that explains the fields. What mirrors is
 //!    the gyro's, and the check ends.
-//! 2. G = 1: [`response`](super::response) finds the torquers' wiring.
+//! 2. G = 1: `response` finds the torquers' wiring.
 //! 3. G another rotation: the gyro shows G ω, or the magnetometer ± G⁻¹ B. Two filters, each with one of
 //!    them put right, tell by the response to the pulses which it is.
 //!

@@ -5,24 +5,27 @@
 //!
 //! | law | disagreement means | code |
 //! |---|---|---|
-//! | Ḃ = −ω × B | gyro or magnetometer | [`turning`] |
-//! | J ω̇ + ω × J ω = (M + P m) × B | torquers, or a reversed magnetometer | [`response`] |
-//! | despin takes energy out | something else is wrong | [`guard`] |
+//! | Ḃ = −ω × B | gyro or magnetometer | `turning` |
+//! | J ω̇ + ω × J ω = (M + P m) × B | torquers, or a reversed magnetometer | `response` |
+//! | despin takes energy out | something else is wrong | [`Guard`] |
 //!
 //! [`Guard`] holds them against each other while a loop is closed. [`ActiveCheck`] does it before, with
 //! pulses of each torquer, and names the device and its wiring. Derivation and figures: docs/polarity.
 
-pub mod check;
-pub mod guard;
+mod check;
+mod guard;
 mod parameters;
 mod permutation;
-pub mod response;
+mod response;
 #[cfg(test)]
 mod tests;
-pub mod turning;
+mod turning;
 mod verdict;
 
-pub use check::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, Undecided};
+pub use check::{
+    ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, LONGEST_CYCLES, LONGEST_ROUNDS,
+    Undecided,
+};
 pub use guard::{Guard, GuardInputs, GuardState};
 pub use parameters::{PolarityError, PolarityParameters};
 pub use permutation::{PermutationError, SignedPermutation};

@@ -5,7 +5,6 @@ use proptest::prelude::*;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 
-use super::check::LONGEST_CYCLES;
 use super::*;
 use crate::frames::{Body, Vector};
 use crate::reading::{MissingReason, Reading};

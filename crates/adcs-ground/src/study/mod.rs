@@ -19,8 +19,10 @@
 
 pub mod campaign;
 pub mod closed_loop;
+pub mod despin;
 pub mod figures;
 pub mod pointing;
+pub mod polarity;
 pub mod random;
 pub mod run;
 pub mod satellite;

@@ -1,7 +1,9 @@
 //! `adcs study`: how well filters and laws do, over many simulated flights.
 
+mod despin;
 mod filters;
 mod pointing;
+mod polarity;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -10,7 +12,7 @@ use std::sync::Mutex;
 use adcs_ground::table::{Output, Progress};
 use anyhow::{Context as _, Result};
 
-/// How well filters and laws do, over many simulated flights
+/// How well filters, laws and guards do, over many simulated flights
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -21,12 +23,16 @@ pub struct Args {
 enum Subject {
     Filters(filters::Args),
     Pointing(pointing::Args),
+    Despin(despin::Args),
+    Polarity(polarity::Args),
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     match &args.subject {
         Subject::Filters(args) => filters::run(args),
         Subject::Pointing(args) => pointing::run(args),
+        Subject::Despin(args) => despin::run(args),
+        Subject::Polarity(args) => polarity::run(args),
     }
 }
 
@@ -45,6 +51,22 @@ fn table(path: Option<&Path>, columns: &[&str]) -> Result<Option<csv::Writer<Out
     let mut table = csv::Writer::from_writer(output);
     table.write_record(columns)?;
     Ok(Some(table))
+}
+
+/// One row of it.
+fn write(table: &mut Option<csv::Writer<Output>>, row: &[String]) -> Result<()> {
+    if let Some(table) = table {
+        table.write_record(row)?;
+    }
+    Ok(())
+}
+
+/// The table is complete, and appears.
+fn finish(table: Option<csv::Writer<Output>>) -> Result<()> {
+    if let Some(table) = table {
+        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()?;
+    }
+    Ok(())
 }
 
 /// Flies with a progress bar that `fly` moves on by calling what it is given.

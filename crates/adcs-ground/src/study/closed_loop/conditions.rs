@@ -166,6 +166,15 @@ pub enum Device {
 impl Device {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Magnetometer, Self::Gyro, Self::Torquers];
+
+    /// What it is called in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Magnetometer => "magnetometer",
+            Self::Gyro => "gyro",
+            Self::Torquers => "torquers",
+        }
+    }
 }
 
 /// A device whose axes are exchanged or turned round: it shows, or does, P times what it should.

@@ -34,7 +34,7 @@ fn flown(case: &Case) -> f32 {
 fn the_law_that_is_certified_holds_and_the_one_that_is_not_tumbles() {
     let shipped = Case::named("law-alone").unwrap();
     assert_eq!(shipped.law, Law::Periodic);
-    assert_eq!(shipped.knowledge, Knowledge::Truth { dipole_share: 1.0 });
+    assert_eq!(shipped.knowledge, Knowledge::Truth);
     assert!(multiplier_of(&shipped, None) < 0.3);
     assert!(flown(&shipped) < 3.0);
 

@@ -19,11 +19,8 @@ use super::super::sprout::{DEG, InertiaError};
 pub enum Knowledge {
     /// What the flight's own filters say.
     Filters,
-    /// The truth, and this share of the residual dipole.
-    Truth {
-        /// 1 for the dipole itself.
-        dipole_share: f64,
-    },
+    /// The truth.
+    Truth,
     /// Attitude and rate of the MEKF, and the residual dipole exactly.
     Mekf,
 }
@@ -35,6 +32,20 @@ pub enum Law {
     Periodic,
     /// The cross-product law.
     CrossProduct,
+}
+
+/// What is fed forward against the residual dipole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FeedForward {
+    /// What the flight's own filter finds.
+    Estimated,
+    /// Nothing.
+    None,
+    /// This share of the true one; the filter is told the same and does not learn it.
+    Fixed {
+        /// 1 for the dipole itself.
+        dipole_share: f64,
+    },
 }
 
 /// One set of flights.
@@ -50,8 +61,8 @@ pub struct Case {
     pub stiffness_n_m_per_rad: f32,
     /// What it goes by.
     pub knowledge: Knowledge,
-    /// Whether the residual dipole is fed forward.
-    pub feed_forward: bool,
+    /// What is fed forward.
+    pub feed_forward: FeedForward,
     /// The world.
     pub conditions: Conditions,
 }
@@ -109,8 +120,8 @@ fn random_torque() -> Conditions {
 impl Case {
     fn of(name: &'static str, story: &'static str, conditions: Conditions) -> Self {
         let (law, knowledge) = (Law::Periodic, Knowledge::Filters);
-        let stiffness_n_m_per_rad = 1.5e-7;
-        Self { name, story, law, stiffness_n_m_per_rad, knowledge, feed_forward: true, conditions }
+        let (stiffness_n_m_per_rad, feed_forward) = (1.5e-7, FeedForward::Estimated);
+        Self { name, story, law, stiffness_n_m_per_rad, knowledge, feed_forward, conditions }
     }
 
     fn knowing(self, knowledge: Knowledge) -> Self {
@@ -123,7 +134,6 @@ impl Case {
 
     /// All of them.
     pub fn all() -> Vec<Self> {
-        const EXACT: Knowledge = Knowledge::Truth { dipole_share: 1.0 };
         vec![
             Self::of("plain", "no model errors", nothing_wrong()),
             Self::of("actuators", "torquers 2 %, inertia 5 %, 5e-9 N·m", actuators_wrong()),
@@ -141,32 +151,46 @@ impl Case {
             Self::of("constant-torque", "2e-8 N·m in any direction", constant_torque()),
             Self::of("random-torque", "3e-8 N·m, 300 s", random_torque()),
             Self::of("random-torque-known", "the same, perfect knowledge", random_torque())
-                .knowing(EXACT),
-            Self::of("law-alone", "perfect knowledge", nothing_wrong()).knowing(EXACT),
+                .knowing(Knowledge::Truth),
+            Self::of("law-alone", "perfect knowledge", nothing_wrong()).knowing(Knowledge::Truth),
             Self::of("cross-product-alone", "perfect knowledge", nothing_wrong())
                 .by(Law::CrossProduct)
-                .knowing(EXACT),
+                .knowing(Knowledge::Truth),
             Self::of("mekf", "MEKF in the loop, dipole known", nothing_wrong())
                 .knowing(Knowledge::Mekf),
             Self::of("cross-product-mekf", "MEKF in the loop, dipole known", nothing_wrong())
                 .by(Law::CrossProduct)
                 .knowing(Knowledge::Mekf),
             Self {
-                feed_forward: false,
+                feed_forward: FeedForward::None,
                 ..Self::of("no-feed-forward", "the dipole is not fed forward", nothing_wrong())
             },
-            Self::of(
-                "dipole-5-percent",
-                "perfect knowledge but the dipole, 5 % off",
-                nothing_wrong(),
-            )
-            .knowing(Knowledge::Truth { dipole_share: 1.05 }),
+            Self {
+                feed_forward: FeedForward::Fixed { dipole_share: 1.05 },
+                ..Self::of("dipole-5-percent", "told a dipole 5 % wrong, for good", nothing_wrong())
+            },
         ]
     }
 
     /// The case of this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().into_iter().find(|case| case.name == name)
+    }
+
+    /// The filters of the flight.
+    fn estimator(&self) -> EstimatorParameters {
+        let EstimatorParameters { mut dynamics, .. } = pointing_estimator();
+        if let FeedForward::Fixed { dipole_share } = self.feed_forward {
+            dynamics.dipole_am2 =
+                self.conditions.residual_dipole_am2.map(|m| (m * dipole_share) as f32);
+            // As sure as a filter can be told to be.
+            dynamics.dipole_prior_am2 = 2e-4;
+        }
+        let flies = match self.knowledge {
+            Knowledge::Mekf => Flies::Mekf,
+            Knowledge::Filters | Knowledge::Truth => Flies::Both,
+        };
+        EstimatorParameters { dynamics, flies }
     }
 
     /// What the flight software is told.
@@ -190,7 +214,7 @@ impl Case {
             },
             Law::CrossProduct => LawParameters::CrossProduct { law: unplanned, guidance },
         };
-        let feed_forward_sigma_am2 = self.feed_forward.then_some(0.03);
+        let feed_forward_sigma_am2 = (self.feed_forward != FeedForward::None).then_some(0.03);
         Ok(FlightParameters {
             schedule: ScheduleParameters {
                 on_us: 5_000_000,
@@ -199,7 +223,7 @@ impl Case {
             },
             steering: SteeringParameters { feed_forward_sigma_am2, ..Default::default() },
             sun_sensors: Some(SunFacesParameters::SPROUT),
-            attitude: Some(pointing_estimator()),
+            attitude: Some(self.estimator()),
             ..sprout(law)?
         })
     }

@@ -43,13 +43,13 @@ impl Knowing {
         let omega = vector(truth.omega_bi);
         let determination = match knowledge {
             Knowledge::Filters => return thoughts.command.dipole,
-            Knowledge::Truth { dipole_share } => {
+            Knowledge::Truth => {
                 let q = truth.r_bi.hamilton().cast();
-                Some(believed(truth, Rotation::from_hamilton(q), omega, dipole_share))
+                Some(believed(truth, Rotation::from_hamilton(q), omega))
             }
             Knowledge::Mekf => thoughts.determination.as_ref().and_then(|it| {
                 let (attitude, rate) = (it.attitude?, it.rate?);
-                Some(believed(truth, attitude.r_bi, rate.omega_bi, 1.0))
+                Some(believed(truth, attitude.r_bi, rate.omega_bi))
             }),
         };
         let field_b = match knowledge {
@@ -77,12 +77,7 @@ fn vector<F>(xyz: Vector3<f64>) -> Vector<F> {
 
 /// A stage II that is sure of this. The residual dipole is the truth's, and the only torque that it does
 /// not foresee is one that changes within minutes.
-fn believed(
-    truth: &Truth,
-    r_bi: Rotation<Body, Eci>,
-    omega_bi: Vector<Body>,
-    dipole_share: f64,
-) -> Determination {
+fn believed(truth: &Truth, r_bi: Rotation<Body, Eci>, omega_bi: Vector<Body>) -> Determination {
     const SURE: f32 = 1e-6;
     let covariance = Matrix3::from_diagonal_element(SURE * SURE);
     let estimate = DynamicEstimate {
@@ -92,7 +87,7 @@ fn believed(
         rate_covariance: covariance,
         gyro_bias: vector(truth.gyro_bias),
         gyro_bias_sigma_rad_s: Vector::zero(),
-        residual_dipole: vector(truth.dipole * dipole_share),
+        residual_dipole: vector(truth.dipole),
         residual_dipole_sigma_am2: Vector::zero(),
         inertia_kg_m2: Matrix3::from_fn(|row, column| INERTIA_KG_M2[row][column] as f32),
         torque: Vector::zero(),

@@ -34,11 +34,11 @@ pub struct Health {
 
 /// The flight application over the board `B`.
 #[derive(Debug)]
-pub struct FlightApp<B> {
+pub struct FlightApp<'a, B> {
     board: B,
     schedule: Schedule,
     configuration: Configuration,
-    state: State,
+    state: &'a mut State,
     /// What the torquers carry since the last cycle, A·m².
     carried: Vector<TorquerAxes>,
     commanded: Option<Mode>,
@@ -47,18 +47,23 @@ pub struct FlightApp<B> {
     digest: Digest,
 }
 
-impl<B: Board> FlightApp<B> {
-    /// Powers on with these parameters.
+impl<'a, B: Board> FlightApp<'a, B> {
+    /// Powers on with these parameters. `state` is what the cycles remember: tens of kilobytes, so that
+    /// it has a place of its own and is never copied; `State::default()` is power-on.
     ///
     /// # Errors
     /// [`ParameterError`] when the parameters are refused.
-    pub fn new(board: B, parameters: &FlightParameters) -> Result<Self, ParameterError> {
+    pub fn new(
+        board: B,
+        parameters: &FlightParameters,
+        state: &'a mut State,
+    ) -> Result<Self, ParameterError> {
         let (schedule, configuration) = parameters.accept()?;
         Ok(Self {
             board,
             schedule,
             configuration,
-            state: State::default(),
+            state,
             carried: Vector::zero(),
             commanded: None,
             next_cycle: 0,
@@ -70,7 +75,7 @@ impl<B: Board> FlightApp<B> {
     /// Flies one cycle: clock and sensors in, thoughts, torquers out, and the record of it all.
     pub fn cycle(&mut self) -> CycleRecord {
         let inputs = self.sense();
-        let thoughts = pipeline::cycle(&self.configuration, &mut self.state, &inputs);
+        let thoughts = pipeline::cycle(&self.configuration, self.state, &inputs);
         let driven = self.board.drive(thoughts.command.dipole);
         // A board that refuses has switched off.
         self.carried = driven.unwrap_or(Vector::zero());

@@ -5,6 +5,7 @@ use adcs_app::{FlightApp, FlightParameters, LawParameters, ParameterError};
 use adcs_core::control::allocation::TorquerParameters;
 use adcs_core::control::b_dot::BDotGain;
 use adcs_core::frames::{TorquerAxes, Vector};
+use adcs_core::pipeline::State;
 use adcs_core::pipeline::{ControlStatus, SteeringParameters};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, ScheduleError, ScheduleParameters};
@@ -70,7 +71,8 @@ impl Board for Steady {
 }
 
 fn fly(board: impl Board, cycles: u32) -> (Vec<CycleRecord>, adcs_app::Health) {
-    let mut app = FlightApp::new(board, &despin()).unwrap();
+    let mut state = State::default();
+    let mut app = FlightApp::new(board, &despin(), &mut state).unwrap();
     let records = (0..cycles).map(|_| app.cycle()).collect();
     (records, app.health())
 }
@@ -153,7 +155,7 @@ fn parameters_are_refused_before_the_flight() {
     let mut never = despin();
     never.schedule.on_us = 0;
     assert_eq!(
-        FlightApp::new(Steady::tumbling(), &never).err(),
+        FlightApp::new(Steady::tumbling(), &never, &mut State::default()).err(),
         Some(ParameterError::Schedule(ScheduleError::NeverActs))
     );
 }
@@ -163,7 +165,8 @@ fn the_digest_tells_flights_apart_by_one_bit() {
     let digest = |x: f32| {
         let mut board = Steady::tumbling();
         board.samples.field_t[0] = Reading::Fresh(x);
-        let mut app = FlightApp::new(board, &despin()).unwrap();
+        let mut state = State::default();
+        let mut app = FlightApp::new(board, &despin(), &mut state).unwrap();
         app.cycle();
         app.digest()
     };
@@ -187,7 +190,8 @@ proptest! {
     ) {
         let sun_a = std::array::from_fn(|face| Reading::Fresh(sun[face]));
         let board = Steady { samples: Samples { rate_rad_s: rate, field_t: field, sun_a } };
-        let mut app = FlightApp::new(board, &despin()).unwrap();
+        let mut state = State::default();
+    let mut app = FlightApp::new(board, &despin(), &mut state).unwrap();
         for _ in 0..ROUND {
             let record = app.cycle();
             prop_assert!(record.commanded_am2.iter().all(|m| m.abs() <= LIMIT_AM2));

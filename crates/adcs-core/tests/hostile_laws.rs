@@ -11,8 +11,10 @@ use adcs_core::control::cross_product::{
 use adcs_core::control::feed_forward::{self, FeedForward};
 use adcs_core::control::guidance::Goal;
 use adcs_core::control::hold;
+use adcs_core::control::periodic::{Ahead, Motion, PeriodicLaw, PeriodicParameters, Plan};
 use adcs_core::frames::{Body, Rotation, Vector};
 use adcs_core::schedule::Round;
+use adcs_core::time::Utc;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 
@@ -135,4 +137,48 @@ fn a_million_hostile_inputs_give_finite_dipoles_within_the_limits() {
     }
     // Both ways out are taken many times: the test is no test of one branch.
     assert!(acted > INPUTS && silent > INPUTS / 10, "{acted} {silent}");
+}
+
+#[test]
+fn a_million_hostile_inputs_to_the_law_that_plans_give_finite_dipoles_within_the_limits() {
+    let alignment_xyzw = [0.1, -0.2, 0.3, 0.9];
+    let torquers = TorquerParameters { max_dipole_am2: LIMIT_AM2, alignment_xyzw };
+    let allocation = Allocation::new(&torquers).unwrap();
+    let law = PeriodicLaw::new(&PeriodicParameters::default()).unwrap();
+    let at = |count: u32| Utc::from_micros_since_2000(i64::from(count) * 500_000);
+    let mut hostile = Hostile(Pcg32::new(20_151_120, 0));
+    let mut plan = Plan::default();
+    let (mut acted, mut planned, mut silent) = (0_u32, 0_u32, 0_u32);
+    for count in 0..INPUTS {
+        // Sweeps that may end at any slice, and some stretches in which they can be completed.
+        let sane = count % 2000 < 1000;
+        plan.work(&law, at(count), |_| {
+            let (field, omega) = match sane {
+                true => (hostile.tame(5e-5), hostile.tame(1e-3)),
+                false => (hostile.vector(5e-5), hostile.vector(1e-3)),
+            };
+            Some(Ahead { field: field.relabel(), omega_t: omega.relabel() })
+        });
+        if count % 5000 == 4999 {
+            plan.forget();
+        }
+        let Some(gains) = plan.gains(at(count)) else {
+            silent += 1;
+            continue;
+        };
+        planned += 1;
+        let motion = Motion {
+            attitude: hostile.vector(2.0).relabel(),
+            rate: hostile.vector(0.2).relabel(),
+            torque: hostile.vector(1e-6).relabel(),
+        };
+        let (field, round_s) = (hostile.vector(5e-5).relabel(), 7.5);
+        let Some(wanted) = law.dipole(&gains, &motion, field, round_s) else { continue };
+        acted += 1;
+        let (wanted, fed) = (wanted.relabel(), hostile.vector(0.4));
+        for saturation in [Saturation::ClipAxes, Saturation::ScaleAll] {
+            assert_within(&allocation.command_beside(fed, wanted, saturation), &(motion, wanted));
+        }
+    }
+    assert!(acted > INPUTS / 20 && planned > acted && silent > 100, "{acted} {planned} {silent}");
 }

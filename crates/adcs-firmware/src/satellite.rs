@@ -1,8 +1,9 @@
 //! The flight on the board: the real drivers on the real pins, cycle by cycle, for ever.
 
 use adcs_app::FlightApp;
+use adcs_core::pipeline::State;
 use adcs_hal::driver_board::DriverBoard;
-use cortex_m::asm::wfi;
+use cortex_m::{asm::wfi, singleton};
 
 use crate::{
     boot::Boot,
@@ -26,7 +27,11 @@ pub fn fly(mut boot: Boot) -> ! {
         panic!("the board as wired is refused")
     };
     let parameters = parameters::flight();
-    let Ok(mut app) = FlightApp::new(board, &parameters) else {
+    // In memory of its own: on the stack it would lie below every cycle.
+    let Some(state) = singleton!(: State = State::default()) else {
+        panic!("the flight has begun before")
+    };
+    let Ok(mut app) = FlightApp::new(board, &parameters, state) else {
         panic!("the built-in parameters are refused")
     };
     watchdog::start(&boot.chip.IWDG);

@@ -5,6 +5,7 @@ use core::cell::RefCell;
 use core::fmt;
 
 use adcs_app::{FlightApp, Health, ParameterError};
+use adcs_core::pipeline::State;
 use adcs_core::time::{TimeScaleError, Utc};
 use adcs_hal::board::Board;
 use adcs_hal::driver_board::{self, Clock};
@@ -141,7 +142,9 @@ pub fn fly_board<B: Board, E>(
     violations: impl Fn() -> u32,
     mut sink: impl FnMut(&Message) -> Result<(), E>,
 ) -> Result<Outcome, Stopped<E>> {
-    let mut app = FlightApp::new(board, &scenario.flight).map_err(FlightError::Parameters)?;
+    let mut state = State::default();
+    let app = FlightApp::new(board, &scenario.flight, &mut state);
+    let mut app = app.map_err(FlightError::Parameters)?;
     let cycle_us = scenario.flight.cycle_us;
     let hello = Hello { version: message::VERSION, cycles: scenario.cycles, cycle_us };
     sink(&Message::Hello(hello)).map_err(Stopped::Sink)?;

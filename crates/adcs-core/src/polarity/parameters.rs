@@ -46,7 +46,7 @@ impl Default for PolarityParameters {
             gyro_bias_rad_s: 5e-3,
             field_noise_t: 600e-9,
             rate_walk_rad_s_per_sqrt_s: 1e-5,
-            log_odds: 7.5,
+            log_odds: 10.0,
             pulse_am2: 0.6,
         }
     }

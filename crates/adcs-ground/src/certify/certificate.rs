@@ -3,7 +3,9 @@
 use adcs_app::LawParameters;
 use serde::{Deserialize, Serialize};
 
-use super::grid::{Body, Place};
+use sgp4_lite::Elements;
+
+use super::grid::{Body, Place, altitude_km};
 
 /// One point of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -59,9 +61,9 @@ impl Certificate {
         &self,
         law: &LawParameters,
         on_off_s: [f32; 2],
-        inclination_deg: f64,
-        altitude_km: f64,
+        elements: &Elements,
     ) -> Vec<String> {
+        let (inclination_deg, altitude_km) = (elements.inclination_deg, altitude_km(elements));
         let mut gaps = Vec::new();
         if !self.holds() {
             gaps.push("the certificate itself does not hold: a multiplier is too large".to_owned());
@@ -116,8 +118,11 @@ mod tests {
 
     #[test]
     fn a_flight_within_the_grid_and_with_the_same_law_is_covered() {
-        let gaps = |it: &Certificate, on, inclination, altitude| {
-            it.gaps(&LawParameters::Off, [on, 2.5], inclination, altitude).len()
+        let sprout = crate::study::sprout::elements().unwrap();
+        let gaps = |it: &Certificate, on, inclination_deg, altitude_km| {
+            let place = Place { inclination_deg, altitude_km, season: 0 };
+            let elements = place.elements(&sprout).unwrap();
+            it.gaps(&LawParameters::Off, [on, 2.5], &elements).len()
         };
         let good = certificate(0.3);
         assert!(good.holds());

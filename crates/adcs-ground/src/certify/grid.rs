@@ -67,19 +67,44 @@ impl Grid {
 impl Place {
     /// A nearly circular orbit there; the rest as in `like`.
     pub fn elements(&self, like: &Elements) -> Option<Elements> {
-        // Kepler's third law with SGP4's Earth (WGS72), rev/day.
-        const MU_KM3_S2: f64 = 398_600.8;
-        const RADIUS_KM: f64 = 6378.135;
-        let radius = RADIUS_KM + self.altitude_km;
-        let rate = (MU_KM3_S2 / (radius * radius * radius)).sqrt();
         let day = like.epoch.days_since_j2000_midnight() + QUARTER_DAYS * i32::from(self.season);
         Some(Elements {
             epoch: Epoch::from_days(day, like.epoch.micros_of_day())?,
             bstar_per_earth_radius: 0.0,
             inclination_deg: self.inclination_deg,
             eccentricity: 0.001,
-            mean_motion_rev_per_day: rate * 86_400.0 / core::f64::consts::TAU,
+            mean_motion_rev_per_day: mean_motion_rev_per_day(self.altitude_km),
             ..*like
         })
+    }
+}
+
+/// WGS72, as SGP4 has it.
+const MU_KM3_S2: f64 = 398_600.8;
+const RADIUS_KM: f64 = 6378.135;
+const DAY_S: f64 = 86_400.0;
+
+/// Kepler's third law.
+fn mean_motion_rev_per_day(altitude_km: f64) -> f64 {
+    let radius = RADIUS_KM + altitude_km;
+    (MU_KM3_S2 / (radius * radius * radius)).sqrt() * DAY_S / core::f64::consts::TAU
+}
+
+/// Height of an orbit of this mean motion, km.
+pub(super) fn altitude_km(elements: &Elements) -> f64 {
+    let rate = elements.mean_motion_rev_per_day * core::f64::consts::TAU / DAY_S;
+    (MU_KM3_S2 / (rate * rate)).cbrt() - RADIUS_KM
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sprout_flies_some_620_km_high_and_heights_come_back() {
+        let sprout = crate::study::sprout::elements().unwrap();
+        assert!((altitude_km(&sprout) - 620.0).abs() < 15.0, "{}", altitude_km(&sprout));
+        let place = Place { inclination_deg: 51.6, altitude_km: 417.0, season: 1 };
+        assert!((altitude_km(&place.elements(&sprout).unwrap()) - 417.0).abs() < 1e-6);
     }
 }

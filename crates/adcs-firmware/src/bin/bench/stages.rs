@@ -16,6 +16,9 @@ use adcs_core::{
         calibrate, calibrate_extended,
     },
     control::b_dot::{BDot, BDotGain},
+    control::cross_product::{self, CrossProduct, CrossProductParameters, PointingError},
+    control::guidance::{Aim, Guidance},
+    control::periodic::{Ahead, Motion, PeriodicLaw, PeriodicParameters, Plan},
     environment::{
         field::FieldModel,
         sun_track::{SunNodes, SunTrack},
@@ -23,9 +26,11 @@ use adcs_core::{
     },
     frames::{Body, Vector},
     orbit::OrbitModel,
+    pipeline::{Law, Pointing, State},
+    planning::{Models, PlanningState},
     reading::{MissingReason, Reading},
     sensing::{Expected, SunFaces, SunFacesParameters},
-    time::{LeapSeconds, gmst82_rad},
+    time::{LeapSeconds, Utc, gmst82_rad},
 };
 use adcs_link::message::Message;
 use adcs_sim::{
@@ -53,6 +58,8 @@ pub fn run(counter: &Counter) {
     attitude(counter);
     kinematic(counter);
     dynamic(counter);
+    pointing(counter);
+    planning(counter);
     calibration(counter);
     calibration_of_nine(counter);
     recursive_calibration(counter);
@@ -220,6 +227,75 @@ fn dynamic(counter: &Counter) {
     });
 }
 
+const INERTIA: [[f32; 3]; 3] = [[0.05, 0.0, 0.0], [0.0, 0.055, 0.0], [0.0, 0.0, 0.06]];
+
+fn cross_product_law() -> CrossProduct {
+    let parameters = CrossProductParameters {
+        stiffness_n_m_per_rad: 1.5e-7,
+        damping_n_m_s: 3e-4,
+        inertia_kg_m2: INERTIA,
+        gyroscopic: false,
+        gravity_gradient: false,
+    };
+    CrossProduct::new(&parameters).expect("accepted")
+}
+
+fn periodic_law() -> PeriodicLaw {
+    let parameters = PeriodicParameters { inertia_kg_m2: INERTIA, ..Default::default() };
+    PeriodicLaw::new(&parameters).expect("accepted")
+}
+
+/// The pointing laws, and a sweep in a field that costs nothing to predict.
+#[inline(never)]
+fn pointing(counter: &Counter) {
+    let stage = Stage { counter };
+    let field = Vector::new(2e-5, -1e-5, 3e-5);
+    let (attitude, rate) = (Vector::new(0.1, -0.2, 0.05), Vector::new(1e-3, 2e-3, -1e-3));
+    let (law, error) = (cross_product_law(), PointingError { attitude, rate });
+    stage.count("cross_product", error, |error| {
+        let torque = law.desired_torque(&error, error.rate, None);
+        cross_product::dipole(torque, field)
+    });
+
+    let law = periodic_law();
+    let now = Utc::from_micros_since_2000(500_000_000_000_000);
+    let ahead = |_| Some(Ahead { field: field.relabel(), omega_t: Vector::new(0.0, -1e-3, 0.0) });
+    let mut plan = Plan::default();
+    plan.work(&law, now, ahead);
+    print("sweep_step", counter.count(|| plan.work(&law, now, ahead)));
+    while plan.gains(now).is_none() {
+        plan.work(&law, now, ahead);
+    }
+    let motion =
+        Motion { attitude: attitude.relabel(), rate: rate.relabel(), torque: Vector::zero() };
+    stage.count("periodic", motion, |motion| {
+        plan.gains(now).and_then(|gains| law.dipole(&gains, &motion, field.relabel(), 7.5))
+    });
+}
+
+/// The look ahead as it flies, SGP4 and IGRF with it: the costliest slice, and a whole sweep.
+#[inline(never)]
+fn planning(counter: &Counter) {
+    let scenario = despin(Readings::Exact);
+    let elements = scenario.flight.elements.expect("an orbit");
+    let orbit = OrbitModel::new(&elements).expect("accepted");
+    let sun = SunTrack::new(LeapSeconds::BUILT_IN);
+    let guidance = Guidance { aim: Aim::Nadir, slew: None };
+    let pointing = Pointing { law: cross_product_law(), periodic: Some(periodic_law()), guidance };
+    let (law, now) = (Law::Pointing(pointing), orbit.epoch());
+    let models = Models { orbit: Some(&orbit), sun: &sun };
+    let mut state = PlanningState::default();
+    let (mut costliest, mut whole) = (0, 0);
+    let mut planned = false;
+    while !planned {
+        let cost = counter.count(|| planned = state.cycle(&law, &models, now).is_some());
+        whole += cost;
+        costliest = cost.max(costliest);
+    }
+    print("plan_slice", costliest);
+    print("plan_sweep", whole);
+}
+
 /// Scale of x, y, z and bias of x, y, z from the readings below, in bits, as the host computes them
 /// (`the_emulated_core_finds_these_bits` of adcs-core's tests).
 const CALIBRATED_BITS: [u32; 6] =
@@ -300,7 +376,9 @@ fn recursive_calibration(counter: &Counter) {
 fn cycle(counter: &Counter, scenario: &Scenario) {
     let world = World::new(&scenario.world, &scenario.board).expect("a world");
     let world = RefCell::new(world);
-    let mut app = FlightApp::new(ExactBoard::new(&world), &scenario.flight).expect("accepted");
+    let mut state = State::default();
+    let app = FlightApp::new(ExactBoard::new(&world), &scenario.flight, &mut state);
+    let mut app = app.expect("accepted");
     print("cycle_first", counter.count(|| app.cycle()));
     let mut costliest = 0;
     for _ in 0..scenario.cycles {

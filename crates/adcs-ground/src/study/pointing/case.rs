@@ -46,6 +46,8 @@ pub struct Case {
     pub story: &'static str,
     /// The law.
     pub law: Law,
+    /// K_p of the cross-product law, N·m/rad.
+    pub stiffness_n_m_per_rad: f32,
     /// What it goes by.
     pub knowledge: Knowledge,
     /// Whether the residual dipole is fed forward.
@@ -107,7 +109,8 @@ fn random_torque() -> Conditions {
 impl Case {
     fn of(name: &'static str, story: &'static str, conditions: Conditions) -> Self {
         let (law, knowledge) = (Law::Periodic, Knowledge::Filters);
-        Self { name, story, law, knowledge, feed_forward: true, conditions }
+        let stiffness_n_m_per_rad = 1.5e-7;
+        Self { name, story, law, stiffness_n_m_per_rad, knowledge, feed_forward: true, conditions }
     }
 
     fn knowing(self, knowledge: Knowledge) -> Self {
@@ -172,7 +175,7 @@ impl Case {
     /// None: the elements are good.
     pub fn parameters(&self) -> Result<FlightParameters> {
         let unplanned = CrossProductParameters {
-            stiffness_n_m_per_rad: 1.5e-7,
+            stiffness_n_m_per_rad: self.stiffness_n_m_per_rad,
             damping_n_m_s: 3e-4,
             inertia_kg_m2: PeriodicParameters::<f32>::default().inertia_kg_m2,
             gyroscopic: false,

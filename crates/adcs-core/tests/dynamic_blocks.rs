@@ -25,7 +25,7 @@ fn dipole_error(blocks: Blocks, lag_s: f64) -> f64 {
     let (sunlit, mut jump) = (world.residual, Vector3::zeros());
     let (mut sum, mut count) = (0.0, 0.0);
     for second in 0..6 * ARC_S {
-        world.lit = (second / ARC_S) % 2 == 0;
+        world.lit = (second / ARC_S).is_multiple_of(2);
         let target = if world.lit { Vector3::zeros() } else { Vector3::from(JUMP_AM2) };
         jump += (target - jump) / lag_s.max(1.0);
         world.residual = sunlit + jump;

@@ -6,7 +6,7 @@ use adcs_core::attitude::mekf::{FieldNoise, MekfParameters};
 use adcs_core::attitude::selection::{EstimatorParameters, Flies};
 use adcs_core::control::allocation::TorquerParameters;
 use adcs_core::control::b_dot::BDotGain;
-use adcs_core::pipeline::SteeringParameters;
+use adcs_core::pipeline::{RateFrom, SteeringParameters};
 use adcs_core::schedule::ScheduleParameters;
 use adcs_core::sensing::{SunFacesParameters, TriadParameters};
 use anyhow::Result;
@@ -55,6 +55,8 @@ pub fn estimator() -> EstimatorParameters {
 /// each axis on, A·m².
 pub fn dynamic_filter(flight: &FlightParameters, feed_forward_sigma_am2: f32) -> FlightParameters {
     let steering = SteeringParameters {
+        // A sample of the gyro is noise where the filter is not, once the tumble is over.
+        rate: RateFrom::Estimate,
         feed_forward_sigma_am2: Some(feed_forward_sigma_am2),
         ..flight.steering
     };

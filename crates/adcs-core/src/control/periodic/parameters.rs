@@ -25,7 +25,7 @@ pub struct PeriodicParameters<T = f32> {
 }
 
 impl<T: RealField + Copy> Default for PeriodicParameters<T> {
-    /// The weights and the horizon of an independent study of SPROUT (docs/control): 5 deg, 0.05 deg/s,
+    /// The weights and the horizon of an independent study of SPROUT (docs/pointing): 5 deg, 0.05 deg/s,
     /// 0.01 A·m² (0.003 to 0.03 makes no difference), a little less than two orbits; SPROUT's assumed
     /// inertia.
     fn default() -> Self {

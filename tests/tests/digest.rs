@@ -79,7 +79,8 @@ fn ten_minutes_of_all_modes_and_targets_have_the_same_bits_on_the_emulated_core(
     scenario.world.omega_bi_rad_s = [0.004, -0.003, 0.002];
     let axes = BodyAxesParameters { boresight: [-1.0, 0.0, 0.0], second: [0.0, 1.0, 0.0] };
     let towards = |law: LawParameters, aim, slew_rad_s| match law {
-        LawParameters::CrossProduct { law, .. } | LawParameters::Periodic { unplanned: law, .. } => {
+        LawParameters::CrossProduct { law, .. }
+        | LawParameters::Periodic { unplanned: law, .. } => {
             LawParameters::CrossProduct { law, guidance: GuidanceParameters { aim, slew_rad_s } }
         }
         other => panic!("{other:?} does not point"),

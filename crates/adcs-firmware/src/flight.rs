@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use adcs_core::pipeline::State;
 use adcs_link::{
     frame::{self, FrameError, MAX_FRAME},
     message::{End, Message},
@@ -10,6 +11,7 @@ use adcs_sim::{
     fly::{self, FlightError, Stopped},
     scenario::{self, Scenario},
 };
+use cortex_m::singleton;
 use semihosting::eprintln;
 
 use crate::host::{self, FileError, Writer};
@@ -32,6 +34,8 @@ pub enum Error<'a> {
     Frame(FrameError),
     /// The flight itself.
     Flight(FlightError),
+    /// One start of the image flies once.
+    Again,
 }
 
 impl fmt::Display for Error<'_> {
@@ -46,6 +50,7 @@ impl fmt::Display for Error<'_> {
             Self::Records(path, error) => write!(f, "records {path}: {error}"),
             Self::Frame(error) => write!(f, "record: {error}"),
             Self::Flight(error) => write!(f, "{error}"),
+            Self::Again => write!(f, "this image has flown; start it again for another flight"),
         }
     }
 }
@@ -57,7 +62,10 @@ pub fn fly<'a>(scenario: &'a str, records: &'a str) -> Result<End, Error<'a>> {
     defmt::info!("flying {} cycles", flight.cycles);
     let mut writer = Writer::create(records).map_err(|error| Error::Records(records, error))?;
     let mut progress = Progress::new(flight.cycles);
-    let outcome = fly::fly(&flight, |message| {
+    let Some(state) = singleton!(: State = State::default()) else {
+        return Err(Error::Again);
+    };
+    let outcome = fly::fly_in(state, &flight, &[], |message| {
         let mut buffer = [0; MAX_FRAME];
         let bytes = frame::encode(message, &mut buffer).map_err(Error::Frame)?;
         writer.write(bytes).map_err(|error| Error::Records(records, error))?;

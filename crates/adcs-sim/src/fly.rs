@@ -111,6 +111,20 @@ pub fn fly_with_faults<E>(
     faults: &[Fault],
     sink: impl FnMut(&Message) -> Result<(), E>,
 ) -> Result<Outcome, Stopped<E>> {
+    fly_in(&mut State::default(), scenario, faults, sink)
+}
+
+/// As [`fly_with_faults`], with the flight's memory where the caller has room for it: it is a third of
+/// the ADC MPU's. `state` must be that of power-on.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_in<E>(
+    state: &mut State,
+    scenario: &Scenario,
+    faults: &[Fault],
+    sink: impl FnMut(&Message) -> Result<(), E>,
+) -> Result<Outcome, Stopped<E>> {
     if scenario.version != scenario::VERSION {
         return Err(FlightError::Version { found: scenario.version }.into());
     }
@@ -118,7 +132,7 @@ pub fn fly_with_faults<E>(
     match scenario.readings {
         Readings::Exact => {
             let board = FaultInjector::new(ExactBoard::new(&world), faults);
-            fly_board(scenario, &world, board, || 0, sink)
+            fly_board(state, scenario, &world, board, || 0, sink)
         }
         Readings::Drivers => {
             let bench = Bench::new(&world, bench_config(scenario));
@@ -126,7 +140,7 @@ pub fn fly_with_faults<E>(
             let board =
                 bench.board(scenario.board, WorldClock(&world)).map_err(FlightError::Board)?;
             let board = FaultInjector::new(board, faults);
-            fly_board(scenario, &world, board, || bench.violations().count, sink)
+            fly_board(state, scenario, &world, board, || bench.violations().count, sink)
         }
     }
 }
@@ -136,14 +150,14 @@ pub fn fly_with_faults<E>(
 /// # Errors
 /// As [`fly`].
 pub fn fly_board<B: Board, E>(
+    state: &mut State,
     scenario: &Scenario,
     world: &RefCell<World>,
     board: B,
     violations: impl Fn() -> u32,
     mut sink: impl FnMut(&Message) -> Result<(), E>,
 ) -> Result<Outcome, Stopped<E>> {
-    let mut state = State::default();
-    let app = FlightApp::new(board, &scenario.flight, &mut state);
+    let app = FlightApp::new(board, &scenario.flight, state);
     let mut app = app.map_err(FlightError::Parameters)?;
     let cycle_us = scenario.flight.cycle_us;
     let hello = Hello { version: message::VERSION, cycles: scenario.cycles, cycle_us };

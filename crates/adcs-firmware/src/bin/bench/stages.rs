@@ -39,6 +39,7 @@ use adcs_sim::{
     scenario::{Readings, Scenario},
     world::World,
 };
+use cortex_m::singleton;
 use igrf::{Coefficients, DecimalYear};
 use semihosting::eprintln;
 use sgp4_lite::{MinutesSinceEpoch, Propagator};
@@ -63,8 +64,10 @@ pub fn run(counter: &Counter) {
     calibration(counter);
     calibration_of_nine(counter);
     recursive_calibration(counter);
-    cycle(counter, &despin(Readings::Exact));
-    cycle_with_chips(counter, &despin(Readings::Drivers));
+    let state = singleton!(: State = State::default()).expect("the first and only");
+    cycle(counter, &despin(Readings::Exact), state);
+    *state = State::default();
+    cycle_with_chips(counter, &despin(Readings::Drivers), state);
 }
 
 /// The models one by one.
@@ -373,11 +376,10 @@ fn recursive_calibration(counter: &Counter) {
 /// The truth's step, and cycles without the cost of any chip: the first of a flight, which prepares
 /// the orbit's nodes and the field's coefficients, and the costliest of the round after it.
 #[inline(never)]
-fn cycle(counter: &Counter, scenario: &Scenario) {
+fn cycle(counter: &Counter, scenario: &Scenario, state: &mut State) {
     let world = World::new(&scenario.world, &scenario.board).expect("a world");
     let world = RefCell::new(world);
-    let mut state = State::default();
-    let app = FlightApp::new(ExactBoard::new(&world), &scenario.flight, &mut state);
+    let app = FlightApp::new(ExactBoard::new(&world), &scenario.flight, state);
     let mut app = app.expect("accepted");
     print("cycle_first", counter.count(|| app.cycle()));
     let mut costliest = 0;
@@ -397,10 +399,10 @@ fn cycle(counter: &Counter, scenario: &Scenario) {
 /// The costliest cycle of a round through drivers and simulated chips: what lies between a cycle's
 /// truth and its record.
 #[inline(never)]
-fn cycle_with_chips(counter: &Counter, scenario: &Scenario) {
+fn cycle_with_chips(counter: &Counter, scenario: &Scenario, state: &mut State) {
     let mut costliest = 0;
     let mut left = counter.now();
-    let outcome = fly::fly::<Infallible>(scenario, |message| {
+    let outcome = fly::fly_in::<Infallible>(state, scenario, &[], |message| {
         let cost = counter.since(left);
         if let Message::Cycle(_) = message {
             costliest = cost.max(costliest);

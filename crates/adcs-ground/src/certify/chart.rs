@@ -38,7 +38,12 @@ fn draw<DB: DrawingBackend>(
         .x_label_area_size(40)
         .y_label_area_size(56)
         .build_cartesian_2d(low - 1.0..high + 1.0, 0.0..1.08 * top)?;
-    chart.configure_mesh().x_desc("inclination, deg").y_desc("multiplier").draw()?;
+    chart
+        .configure_mesh()
+        .x_desc("inclination, deg")
+        .y_desc("multiplier")
+        .light_line_style(TRANSPARENT)
+        .draw()?;
     let limit = [(low - 1.0, certificate.limit), (high + 1.0, certificate.limit)];
     chart
         .draw_series([PathElement::new(limit, colour::GREY.stroke_width(1))])?

@@ -76,6 +76,8 @@ pub struct Inputs {
     pub sun_a: [Reading<[f32; 4]>; FACES],
     /// What the torquers carried since the last cycle, A·m².
     pub carried: Vector<TorquerAxes>,
+    /// Whether the torquers refused what they were told then; they are off when they do.
+    pub refused: bool,
     /// A mode that the ground asks for.
     pub commanded: Option<Mode>,
 }
@@ -147,7 +149,8 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     let at = (inputs.now, inputs.phase);
     let lit = sunlight.and_then(|sunlight| sunlight.lit);
     let carried = configuration.allocation.to_body(inputs.carried);
-    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit, carried };
+    let obey = !inputs.refused;
+    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit, carried, obey };
     let mode = configuration.modes.as_ref().map(|modes| {
         let error = state.steering.error_rad();
         let sight = Sight::of(at, inputs.commanded, &heard, determination.as_ref(), error);
@@ -306,8 +309,9 @@ mod tests {
         let now = Utc::from_micros_since_2000(0);
         let mut sun_a = [Reading::Fresh([0.0; 4]); FACES];
         sun_a[2] = Reading::Fresh([40e-6; 4]);
-        let (carried, commanded) = (Vector::zero(), None);
-        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a, carried, commanded }
+        let (carried, refused, commanded) = (Vector::zero(), false, None);
+        let (rate_rad_s, field_t) = (RATE_RAD_S, FIELD_T);
+        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried, refused, commanded }
     }
 
     #[test]

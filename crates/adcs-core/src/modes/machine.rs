@@ -30,7 +30,7 @@ impl Held {
     }
 }
 
-/// For how long a sensor has been silent, s.
+/// For how long a sensor has been silent, or the torquers have refused, s.
 #[derive(Debug, Clone, Copy, Default)]
 struct Silence {
     is_silent: bool,
@@ -72,6 +72,7 @@ pub struct ModesState {
     gyro: Silence,
     magnetometer: Silence,
     sun: Silence,
+    torquers: Silence,
     retries: u8,
     here: InMode,
     guard: GuardState,
@@ -93,6 +94,7 @@ impl ModesState {
         self.gyro.step(dt_s, Some(sight.gyro_speaks));
         self.magnetometer.step(dt_s, sight.magnetometer_speaks);
         self.sun.step(dt_s, Some(sight.sun_speaks));
+        self.torquers.step(dt_s, Some(sight.torquers_obey));
         let rate = sight.rate?;
         let mean = self.mean_rate.map_or(rate, |mean| mean + (rate - mean) * weight(dt_s));
         self.mean_rate = Some(mean);
@@ -208,6 +210,8 @@ impl Modes {
             Cause::Silent(Sensor::Gyro)
         } else if needs.sun && silent(&state.sun, p.sun_gap_s) {
             Cause::Silent(Sensor::SunSensors)
+        } else if silent(&state.torquers, p.actuator_gap_s) {
+            Cause::TorquersRefuse
         } else {
             grows?
         };
@@ -218,7 +222,7 @@ impl Modes {
     /// a satellite that points has proven its wiring, and turns too slowly to betray it.
     fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
-        if matches!(mode, Mode::Point | Mode::Commissioning) {
+        if mode == Mode::Commissioning {
             return None;
         }
         match guard.cycle(&mut state.guard, &sight.devices) {
@@ -273,6 +277,7 @@ impl Modes {
         let missed = state.here.missed;
         let needed = |sensor, needs| needs || missed == Some(sensor);
         let speaking = state.magnetometer.for_s == 0.0
+            && state.torquers.for_s == 0.0
             && (state.gyro.for_s == 0.0 || !needed(Sensor::Gyro, p.despin_needs.gyro))
             && (state.sun.for_s == 0.0 || !needed(Sensor::SunSensors, p.despin_needs.sun));
         let here = &mut state.here;

@@ -28,7 +28,7 @@ const EXPERIMENT: &str = "experiment";
 const GUARD: &str = "polarity_guard";
 
 /// The keys of the numbers.
-const NUMBERS: [(ModeNumber, &str); 21] = [
+const NUMBERS: [(ModeNumber, &str); 22] = [
     (ModeNumber::Despun, "despun_deg_s"),
     (ModeNumber::DespunFor, "despun_for_s"),
     (ModeNumber::Tumbling, "tumbling_deg_s"),
@@ -46,6 +46,7 @@ const NUMBERS: [(ModeNumber, &str); 21] = [
     (ModeNumber::Experiment, "experiment_s"),
     (ModeNumber::SensorGap, "sensor_gap_s"),
     (ModeNumber::SunGap, "sun_gap_s"),
+    (ModeNumber::ActuatorGap, "actuator_gap_s"),
     (ModeNumber::GrowingRounds, "growing_rounds"),
     (ModeNumber::GrowingFactor, "growing_factor"),
     (ModeNumber::Diverged, "diverged_deg"),
@@ -203,6 +204,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         experiment,
         sensor_gap,
         sun_gap,
+        actuator_gap,
         factor,
         diverged,
         recovery,
@@ -223,6 +225,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         number(ModeNumber::Experiment, usual.experiment_s),
         number(ModeNumber::SensorGap, usual.sensor_gap_s),
         number(ModeNumber::SunGap, usual.sun_gap_s),
+        number(ModeNumber::ActuatorGap, usual.actuator_gap_s),
         number(ModeNumber::GrowingFactor, usual.growing_factor),
         number(ModeNumber::Diverged, usual.diverged_rad),
         number(ModeNumber::Recovery, usual.recovery_s),
@@ -247,6 +250,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         experiment_next: next?,
         sensor_gap_s: sensor_gap?,
         sun_gap_s: sun_gap?,
+        actuator_gap_s: actuator_gap?,
         despin_needs: despin_needs?,
         pointing_needs: pointing_needs?,
         growing_rounds: u16::try_from(rounds?).ok()?,

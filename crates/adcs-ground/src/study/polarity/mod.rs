@@ -2,6 +2,7 @@
 //! names them.
 
 mod figures;
+pub mod pointing;
 
 use adcs_app::parameters::LawParameters;
 use adcs_core::control::allocation::Allocation;

@@ -47,7 +47,7 @@ fn machine(change: impl FnOnce(&mut ModeParameters)) -> Modes {
 /// Devices from which nothing can be learned of their wiring.
 fn silent_devices(now: Utc, phase: Phase) -> GuardInputs {
     let nothing = Reading::Missing(MissingReason::Bus);
-    GuardInputs { now, phase, omega_bi: nothing, field_b: nothing, carried: Vector::zero() }
+    GuardInputs { now, phase, omega_bi: nothing, field_b: nothing, carried: Vector::zero(), despins: true }
 }
 
 /// A mode machine in flight, beside a world that is as it is told.

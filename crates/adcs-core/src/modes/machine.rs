@@ -5,7 +5,9 @@ use super::parameters::{ModeParameters, Needs};
 use super::sight::Sight;
 use super::{Cause, Flown, Mode, ModeReport, Modes, Polarity, Sensor, Transition};
 use crate::frames::{Body, Vector};
-use crate::polarity::{CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Undecided};
+use crate::polarity::{
+    CheckReport, CheckState, CheckStep, GuardInputs, GuardState, GuardVerdict, Undecided,
+};
 use crate::schedule::Phase;
 use crate::steering::{Law, Steering};
 use crate::time::Utc;
@@ -218,14 +220,18 @@ impl Modes {
         Some((Mode::Safe, cause))
     }
 
-    /// What the guard says. It listens whenever no loop is closed, and watches while despin closes one;
-    /// a satellite that points has proven its wiring, and turns too slowly to betray it.
+    /// What the guard says. It listens whenever no loop is closed, and watches while one is.
     fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
         if mode == Mode::Commissioning {
             return None;
         }
-        match guard.cycle(&mut state.guard, &sight.devices) {
+        let despins = match (mode, &self.experiment) {
+            (Mode::Point, _) => false,
+            (Mode::Experiment, Some(Flown { law, .. })) => !law.points(),
+            _ => true,
+        };
+        match guard.cycle(&mut state.guard, &GuardInputs { despins, ..sight.devices }) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }

@@ -89,6 +89,7 @@ impl Sight {
                 omega_bi: heard.omega_bi,
                 field_b: heard.field_b,
                 carried: heard.carried,
+                despins: true,
             },
         }
     }

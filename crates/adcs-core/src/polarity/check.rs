@@ -191,7 +191,7 @@ impl ActiveCheck {
         if state.rounds < FEWEST_ROUNDS {
             return None;
         }
-        let response = state.gyro_put_right.evidence()?;
+        let response = state.gyro_put_right.evidence(true)?;
         if assumed == SignedPermutation::IDENTITY {
             let report = match response.best {
                 SignedPermutation::IDENTITY => CheckReport::Sound,
@@ -202,7 +202,7 @@ impl ActiveCheck {
             };
             return (response.lead >= KNOWN).then_some(report);
         }
-        let other = state.magnetometer_put_right.evidence()?;
+        let other = state.magnetometer_put_right.evidence(true)?;
         gyro_or_magnetometer(assumed, &response, &other).map(CheckReport::Wrong)
     }
 

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::parameters::{PolarityError, PolarityParameters};
 use super::permutation::SignedPermutation;
-use super::response::{Response, Seen};
+use super::response::{Estimate, Response, Seen};
 use super::turning::{Turning, TurningEvidence};
 use super::verdict::{Evidence, GuardVerdict, Suspect};
 use crate::frames::{Body, Vector};
@@ -28,7 +28,7 @@ const NAMED: f32 = 3.0;
 const ENERGY_GROWTH: f32 = 1.2;
 /// The energy counts from this rate on, rad/s: below, the residual dipole moves it at will.
 const SLOW_RAD_S: f32 = 0.035;
-/// By how many σ of the rate the energy must have grown.
+/// By how many σ of rate and residual dipole the energy must have grown.
 const ENERGY_SIGMAS: f32 = 4.0;
 
 /// The guard with accepted parameters.
@@ -46,10 +46,20 @@ pub struct GuardState {
     pub(super) response: Response,
     /// Whether the torquers have been on.
     closed: bool,
-    energy_at_start_j: Option<f32>,
+    start: Option<Balance>,
     turned: Option<TurningEvidence>,
     evidence: Option<Evidence>,
     stopped: Option<Suspect>,
+}
+
+/// What energy is counted from.
+#[derive(Debug, Clone, Copy)]
+struct Balance {
+    energy_j: f32,
+    /// σ of it.
+    sigma_j: f32,
+    /// Field, Body, T.
+    field: Vector3<f32>,
 }
 
 /// What the devices said and did since the last cycle.
@@ -65,6 +75,8 @@ pub struct GuardInputs {
     pub field_b: Reading<Vector<Body>>,
     /// What the torquers were told to carry since the last cycle, Body, A·m².
     pub carried: Vector<Body>,
+    /// Whether the torquers are to take energy out. A satellite that points may be spun up on purpose.
+    pub despins: bool,
 }
 
 impl GuardInputs {
@@ -110,8 +122,11 @@ impl Guard {
             state.turned = Some(state.turning.evidence(p));
         }
         state.closed |= seen.dipole != Vector3::zeros();
-        if state.stopped.is_none() {
-            state.stopped = self.judge(state);
+        if !inputs.despins {
+            state.start = None;
+        }
+        if gyro.is_some() && state.stopped.is_none() {
+            state.stopped = self.judge(state, inputs.despins);
         }
         let evidence = state.evidence.unwrap_or(Evidence::NONE);
         match state.stopped {
@@ -120,20 +135,23 @@ impl Guard {
         }
     }
 
-    fn judge(&self, state: &mut GuardState) -> Option<Suspect> {
+    fn judge(&self, state: &mut GuardState, despins: bool) -> Option<Suspect> {
         let limit = self.parameters.log_odds;
         let turning = state.turned;
-        let response = state.response.evidence();
-        let (energy, grown) = self.energy(state).unwrap_or((1.0, false));
+        let response = state.response.evidence(despins);
+        let balance = if despins { self.energy(state) } else { None };
+        let (energy, grown) = balance.unwrap_or((1.0, false));
         state.evidence = Some(Evidence {
             turning: turning.map_or(0.0, |it| it.wrong),
             response: response.map_or(0.0, |it| it.wrong),
             energy,
         });
         if let Some(it) = turning.filter(|it| it.wrong >= limit) {
-            let mirrors = !it.best.is_rotation();
-            let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
-            return Some(name(it.best));
+            return Some(match it.best {
+                _ if it.lead < NAMED => Suspect::Sensors,
+                wiring if wiring.is_rotation() => Suspect::GyroOrMagnetometer(wiring),
+                wiring => Suspect::Gyro(wiring),
+            });
         }
         if let Some(it) = response.filter(|it| it.wrong >= limit) {
             return Some(match it.best {
@@ -145,19 +163,25 @@ impl Guard {
         grown.then_some(Suspect::Unknown)
     }
 
-    /// The kinetic energy over that at the start, and whether it has grown beyond doubt.
+    /// The kinetic energy over that at the start, and whether it has grown beyond doubt, and by more than
+    /// the residual dipole has brought in: M · (B − B₀) is what that gives by turning in the field.
     fn energy(&self, state: &mut GuardState) -> Option<(f32, bool)> {
         if !state.closed {
             return None;
         }
-        let (rate, sigma, _) = state.response.motion()?;
+        let Estimate { rate, rate_sigma, field, dipole, dipole_sigma } = state.response.motion()?;
         let momentum = self.inertia * rate;
-        let energy = 0.5 * rate.dot(&momentum);
-        let start = *state.energy_at_start_j.get_or_insert(energy);
+        let energy_j = 0.5 * rate.dot(&momentum);
+        let sigma_j = momentum.component_mul(&rate_sigma).norm();
+        let start = *state.start.get_or_insert(Balance { energy_j, sigma_j, field });
+        let turned = field - start.field;
+        let by_dipole = dipole_sigma.component_mul(&turned).norm();
+        let square = |x: f32| x * x;
+        let sigma_j = libm::sqrtf(square(sigma_j) + square(start.sigma_j) + square(by_dipole));
         let mean = self.inertia.trace() / 3.0;
-        let counted = start.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
-        let doubt = ENERGY_SIGMAS * momentum.component_mul(&sigma).norm();
-        let ratio = energy / start;
-        ratio.is_finite().then_some((ratio, energy - doubt > ENERGY_GROWTH * counted))
+        let counted = start.energy_j.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
+        let gained = energy_j - counted - dipole.dot(&turned).max(0.0) - ENERGY_SIGMAS * sigma_j;
+        let ratio = energy_j / start.energy_j;
+        ratio.is_finite().then_some((ratio, gained > (ENERGY_GROWTH - 1.0) * counted))
     }
 }

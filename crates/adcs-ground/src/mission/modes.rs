@@ -100,16 +100,8 @@ pub(super) fn modes(
 
 /// What looks after the wiring knows what stage II is told.
 fn polarity(attitude: &EstimatorParameters, usual: &Usual) -> PolarityParameters {
-    let told = &attitude.dynamics;
-    PolarityParameters {
-        inertia_kg_m2: told.inertia_kg_m2,
-        dipole_prior_am2: told.dipole_prior_am2,
-        gyro_noise_rad_s: told.sensors.gyro_noise_rad_s,
-        gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
-        field_noise_t: told.sensors.field_noise.sigma_t(),
-        pulse_am2: usual.max_dipole_am2.unwrap_or(PolarityParameters::default().pulse_am2),
-        ..PolarityParameters::default()
-    }
+    let pulse_am2 = usual.max_dipole_am2.unwrap_or(PolarityParameters::default().pulse_am2);
+    PolarityParameters::of(&attitude.dynamics, pulse_am2)
 }
 
 /// Says at its key what the flight software refuses.

@@ -8,12 +8,12 @@ use adcs_core::polarity::{PolarityParameters, SignedPermutation};
 use adcs_core::schedule::Phase;
 use anyhow::{Context as _, Result};
 
-use super::super::closed_loop::{ClosedLoop, Device, Fault, b_dot};
+use super::super::closed_loop::{ClosedLoop, Conditions, Device, Fault, StartingRate, b_dot};
 use super::super::pointing::case::Case;
 use super::super::pointing::flight::angle_deg;
 use super::super::sprout::ORBIT_S;
 
-/// How long a flight may take until it points, s: some orbits.
+/// How long a flight may take until it points, s: some orbits of despin and acquisition.
 const LONGEST_UNTIL_POINTING_S: f64 = 8.0 * ORBIT_S;
 
 /// One flight from power-on to the end of pointing.
@@ -23,7 +23,8 @@ pub struct Pointed {
     pub fault: Option<Fault>,
     /// From power-on until it pointed, s; `None` when it never did.
     pub began_s: Option<f64>,
-    /// Since then, or since the fault: when it was switched off, s, and why.
+    /// When it was switched off, s since it pointed, since the fault, or since power-on when it never
+    /// did, and why.
     pub ended: Option<(f64, Cause)>,
     /// The first time that pointing was given up since then, s, and what for.
     pub left: Option<(f64, Transition)>,
@@ -48,11 +49,7 @@ pub fn turned_round() -> Vec<Fault> {
 fn parameters(case: &Case) -> Result<FlightParameters> {
     let flight = case.parameters()?;
     let told = flight.attitude.context("stage II")?.dynamics;
-    let polarity = PolarityParameters {
-        gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
-        field_noise_t: told.sensors.field_noise.sigma_t(),
-        ..PolarityParameters::default()
-    };
+    let polarity = PolarityParameters::of(&told, flight.torquers.max_dipole_am2);
     let steering = SteeringParameters { cut_hold: true, ..SteeringParameters::default() };
     let modes = ModesParameters {
         table: ModeParameters::default(),
@@ -63,13 +60,20 @@ fn parameters(case: &Case) -> Result<FlightParameters> {
     Ok(FlightParameters { modes: Some(modes), ..flight })
 }
 
-/// Flies number `seed` of a case from power-on until it has pointed for `orbits`, or for as long since a
-/// fault that comes after one.
+/// Flies number `seed` of the pointing study's case `everything` from separation at `rate` until it has
+/// pointed for `orbits`, or for as long since a fault that comes after one.
 ///
 /// # Errors
 /// When the orbit or the field model ends.
-pub fn fly_pointing(case: &Case, orbits: f64, fault: Option<Fault>, seed: u64) -> Result<Pointed> {
-    let mut flight = ClosedLoop::new(&case.conditions, &parameters(case)?, seed)?;
+pub fn fly_pointing(
+    rate: StartingRate,
+    orbits: f64,
+    fault: Option<Fault>,
+    seed: u64,
+) -> Result<Pointed> {
+    let case = Case::named("everything").context("the case")?;
+    let conditions = Conditions { rate, start_in_sunlight: false, ..case.conditions };
+    let mut flight = ClosedLoop::new(&conditions, &parameters(&case)?, seed)?;
     let mut pointed = Pointed {
         fault,
         began_s: None,
@@ -97,7 +101,8 @@ pub fn fly_pointing(case: &Case, orbits: f64, fault: Option<Fault>, seed: u64) -
                 pointed.left = Some((since_s, transition));
             }
             if transition.to == Mode::Safe {
-                pointed.ended = Some((if since_s.is_finite() { since_s } else { t_s }, transition.cause));
+                let at_s = if since_s.is_finite() { since_s } else { t_s };
+                pointed.ended = Some((at_s, transition.cause));
                 break;
             }
         }

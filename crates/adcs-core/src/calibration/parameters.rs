@@ -17,11 +17,32 @@
 
 use nalgebra::{Matrix3, RealField, SMatrix, SVector, Vector3};
 
+use crate::sensing::TriadParameters;
+
 /// Scale, bias, cross-axis terms and couplings, in this order: N = 6, or 9 and three for each current.
 ///
 /// The units are those of the samples: field per reading, field, none, field per current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<T: RealField + Copy, const N: usize>(pub SVector<T, N>);
+
+/// A calibration as [`TriadParameters`] have it: C (s ∘ x) − b of what the driver shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction<T> {
+    /// s, no unit.
+    pub scale: [T; 3],
+    /// c_xy, c_xz, c_yz.
+    pub cross_axis: [T; 3],
+    /// b, *subtracted*; field.
+    pub bias: [T; 3],
+}
+
+impl Correction<f32> {
+    /// The parameters with this in place of what they had; the alignment stays.
+    pub fn applied_to(self, parameters: &TriadParameters) -> TriadParameters {
+        let Self { scale, cross_axis, bias } = self;
+        TriadParameters { scale, cross_axis, bias, ..*parameters }
+    }
+}
 
 impl<T: RealField + Copy, const N: usize> Parameters<T, N> {
     /// The three unknowns from this one on; zeros behind the last.

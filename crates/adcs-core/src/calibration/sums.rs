@@ -93,19 +93,15 @@ impl<T: RealField + Copy, const N: usize> Recursive<T, N> {
     /// What the flight software takes behind a driver that turns readings into field by this data sheet,
     /// and the standard deviations of that.
     pub fn correction(&self, driver: DataSheet<T>) -> (Correction<T>, Correction<T>) {
-        let (moved, transform) = from_zero(&self.parameters, -driver.zero);
+        let (_, transform) = from_zero(&self.parameters, -driver.zero);
         let covariance = transform * self.covariance * transform.transpose();
         let sigma = Recursive { covariance, ..*self }.sigma();
-        let scale = |x: &Parameters<T, N>| x.scale().map(|s| s / driver.sensitivity);
-        let found = Correction {
-            scale: scale(&moved),
-            cross_axis: moved.cross_axis(),
-            bias: moved.bias().map(|b| -b),
+        let sigma = Correction {
+            scale: sigma.scale().map(|scale| scale / driver.sensitivity),
+            cross_axis: sigma.cross_axis(),
+            bias: sigma.bias(),
         };
-        (
-            found,
-            Correction { scale: scale(&sigma), cross_axis: sigma.cross_axis(), bias: sigma.bias() },
-        )
+        (self.parameters.correction(driver), sigma)
     }
 
     /// With more unknowns, of zero.

@@ -19,11 +19,10 @@ use serde::{Deserialize, Serialize};
 
 use super::guard::GuardInputs;
 use super::parameters::{PolarityError, PolarityParameters};
-use super::permutation::SignedPermutation;
 use super::response::{Response, ResponseEvidence, Seen};
 use super::turning::Turning;
 use super::verdict::Suspect;
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, SignedPermutation, Vector};
 use crate::schedule::Phase;
 use crate::time::Utc;
 

@@ -3,10 +3,13 @@
 use super::findings::{Finding, MagnetometerFound, Three, worst};
 use super::ladder::{Judged, Seen};
 use super::parameters::CommissioningParameters;
-use crate::calibration::{DataSheet, Evidence, Recursive, Sums};
+use crate::calibration::{DataSheet, Sample, Sums};
 
 /// Fields in low orbit, T: the unit of the sums.
 const STRENGTH_T: f32 = 4e-5;
+
+/// The driver has made T of volts already.
+const READINGS_IN_T: DataSheet<f32> = DataSheet { sensitivity: 1.0, zero: 0.0 };
 
 /// The sums.
 #[derive(Debug, Clone, Copy)]
@@ -16,18 +19,13 @@ pub(super) struct Magnetometer {
 
 impl Magnetometer {
     pub fn new() -> Option<Self> {
-        // Readings are in T already.
-        let data_sheet = DataSheet { sensitivity: 1.0, zero: 0.0 };
-        Some(Self { sums: Sums::new(data_sheet, STRENGTH_T).ok()? })
+        Some(Self { sums: Sums::new(READINGS_IN_T, STRENGTH_T).ok()? })
     }
 
     pub fn see(&mut self, seen: &Seen) {
         let Some((reading, field)) = seen.reading.zip(seen.reference_field) else { return };
         if seen.rests {
-            let sample = crate::calibration::Sample {
-                reading: reading.to_array(),
-                intensity: field.norm(),
-            };
+            let sample = Sample { reading: reading.to_array(), intensity: field.norm() };
             // What is refused is left out.
             let _ = self.sums.add(sample);
         }
@@ -44,30 +42,14 @@ impl Magnetometer {
     }
 
     fn found(&self) -> Option<MagnetometerFound> {
-        let six = self.sums.calibration::<6>().ok();
-        let nine = self.sums.calibration::<9>().ok();
-        let evidence = |unknowns, rms: f32| Evidence {
-            samples: self.sums.samples(),
-            unknowns,
-            rms: f64::from(rms),
-        };
-        match (six, nine) {
-            (Some(six), Some(nine)) => {
-                let asked = evidence(9, nine.norm_error_rms).beats(&evidence(6, six.norm_error_rms));
-                Some(if asked { found(&nine) } else { found(&six) })
-            }
-            (six, nine) => nine.as_ref().map(found).or(six.as_ref().map(found)),
-        }
-    }
-}
-
-fn found<const N: usize>(of: &Recursive<f32, N>) -> MagnetometerFound {
-    let (x, sigma) = (&of.parameters, of.sigma());
-    MagnetometerFound {
-        scale: Three { value: x.scale(), sigma: sigma.scale() },
-        cross_axis: Three { value: x.cross_axis(), sigma: sigma.cross_axis() },
-        // Added there, subtracted here.
-        bias_t: Three { value: x.bias().map(|b| -b), sigma: sigma.bias() },
-        norm_error_t: of.norm_error_rms,
+        let found = self.sums.chosen().ok()?;
+        let (value, sigma) = found.correction(READINGS_IN_T);
+        let three = |value, sigma| Three { value, sigma };
+        Some(MagnetometerFound {
+            scale: three(value.scale, sigma.scale),
+            cross_axis: three(value.cross_axis, sigma.cross_axis),
+            bias_t: three(value.bias, sigma.bias),
+            norm_error_t: found.norm_error_rms,
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! The commissioning ladder alone, with what it sees made by hand.
 
 use adcs_core::commissioning::{
-    Commit, CommissioningError, CommissioningParameters, Findings, Ladder, LadderState, LadderStep,
+    CommissioningError, CommissioningParameters, Commit, Findings, Ladder, LadderState, LadderStep,
     Outcome, RUNGS, Rung, Shortfall, StepTime, Told, Witnessed,
 };
 use adcs_core::frames::{Direction, Vector};

@@ -217,7 +217,7 @@ impl ActiveCheck {
     }
 
     /// The pulse of a round: one torquer after the other, with alternating sign.
-    fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
+    pub(crate) fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
         let acting = matches!(phase, Phase::Measuring | Phase::Acting);
         let sign = if round.is_multiple_of(2) { 1.0 } else { -1.0 };
         let axis = round % 3;

@@ -1,5 +1,6 @@
 //! The mode machine alone, with sights made by hand.
 
+use adcs_core::commissioning::Witnessed;
 use adcs_core::control::b_dot::{BDot, BDotGain};
 use adcs_core::frames::{Body, Vector};
 use adcs_core::modes::{
@@ -7,7 +8,6 @@ use adcs_core::modes::{
     Sensor, Sight, Transition,
 };
 use adcs_core::pipeline::{Law, RateFrom, Steering};
-use adcs_core::commissioning::Witnessed;
 use adcs_core::polarity::{ActiveCheck, Guard, GuardInputs, PolarityParameters, Undecided};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, Round, Schedule, ScheduleParameters};

@@ -7,7 +7,7 @@ use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall};
 use super::gyro::Gyro;
 use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
-use super::parameters::{Commit, CommissioningError, CommissioningParameters, StepTime};
+use super::parameters::{CommissioningError, CommissioningParameters, Commit, StepTime};
 use super::sun::Sun;
 use super::track::{Instant, Track, finite};
 use super::{Witnessed, track};
@@ -149,15 +149,12 @@ impl Ladder {
             let field_b = rests.map_or(Reading::Missing(MissingReason::TorquersOn), Reading::Fresh);
             let inputs = CheckInputs { field_b, ..witnessed.devices };
             return match check.cycle(work, &inputs) {
-                CheckStep::Carry(pulse) => LadderStep {
-                    pulse,
-                    report: LadderReport { rung: Some(rung), ended: None },
-                },
-                CheckStep::Done(report) => state.end(Ended {
-                    rung,
-                    outcome: wired(report),
-                    finding: None,
-                }),
+                CheckStep::Carry(pulse) => {
+                    LadderStep { pulse, report: LadderReport { rung: Some(rung), ended: None } }
+                }
+                CheckStep::Done(report) => {
+                    state.end(Ended { rung, outcome: wired(report), finding: None })
+                }
             };
         }
         let seen = Seen {

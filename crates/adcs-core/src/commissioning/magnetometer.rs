@@ -24,10 +24,8 @@ impl Magnetometer {
     pub fn see(&mut self, seen: &Seen) {
         let Some((reading, field)) = seen.reading.zip(seen.reference_field) else { return };
         if seen.rests {
-            let sample = crate::calibration::Sample {
-                reading: reading.to_array(),
-                intensity: field.norm(),
-            };
+            let sample =
+                crate::calibration::Sample { reading: reading.to_array(), intensity: field.norm() };
             // What is refused is left out.
             let _ = self.sums.add(sample);
         }
@@ -53,7 +51,8 @@ impl Magnetometer {
         };
         match (six, nine) {
             (Some(six), Some(nine)) => {
-                let asked = evidence(9, nine.norm_error_rms).beats(&evidence(6, six.norm_error_rms));
+                let asked =
+                    evidence(9, nine.norm_error_rms).beats(&evidence(6, six.norm_error_rms));
                 Some(if asked { found(&nine) } else { found(&six) })
             }
             (six, nine) => nine.as_ref().map(found).or(six.as_ref().map(found)),

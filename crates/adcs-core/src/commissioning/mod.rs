@@ -38,7 +38,7 @@ pub use findings::{
     Shortfall, Three,
 };
 pub use ladder::{Ladder, LadderReport, LadderState, LadderStep, Told};
-pub use parameters::{Commit, CommissioningError, CommissioningParameters, StepTime};
+pub use parameters::{CommissioningError, CommissioningParameters, Commit, StepTime};
 
 /// What one cycle shows to the ladder.
 #[derive(Debug, Clone, Copy)]

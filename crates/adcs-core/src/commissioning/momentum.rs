@@ -43,7 +43,8 @@ impl Momentum {
 
 fn dipole(solution: &Solution<f32, RATIO_UNKNOWNS>) -> Three {
     let sigma = solution.sigma();
-    let first = |v: &nalgebra::SVector<f32, RATIO_UNKNOWNS>| v.fixed_rows::<3>(0).into_owned().into();
+    let first =
+        |v: &nalgebra::SVector<f32, RATIO_UNKNOWNS>| v.fixed_rows::<3>(0).into_owned().into();
     Three { value: first(&solution.x), sigma: first(&sigma) }
 }
 

@@ -153,12 +153,7 @@ impl ModesState {
         self.findings = findings;
     }
 
-    fn enter(
-        &mut self,
-        from: Mode,
-        (to, cause): (Mode, Cause),
-        has_ladder: bool,
-    ) -> Transition {
+    fn enter(&mut self, from: Mode, (to, cause): (Mode, Cause), has_ladder: bool) -> Transition {
         match cause {
             Cause::Recovered => self.retries = self.retries.saturating_add(1),
             Cause::Commanded => self.retries = 0,
@@ -307,17 +302,15 @@ impl Modes {
                 let trouble = ended.as_ref().and_then(trouble);
                 trouble.or(rung.is_none().then_some((Mode::Detumble, Cause::Commissioned)))
             }
-            (Watch::Check(watch), _) => {
-                match check.cycle(watch, &sight.witnessed.devices) {
-                    CheckStep::Carry(pulse) => {
-                        state.pulse = Some(pulse);
-                        None
-                    }
-                    CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
-                    CheckStep::Done(CheckReport::Wrong(suspect)) => Some(miswired(suspect)),
-                    CheckStep::Done(CheckReport::Undecided(why)) => Some(unchecked(why)),
+            (Watch::Check(watch), _) => match check.cycle(watch, &sight.witnessed.devices) {
+                CheckStep::Carry(pulse) => {
+                    state.pulse = Some(pulse);
+                    None
                 }
-            }
+                CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
+                CheckStep::Done(CheckReport::Wrong(suspect)) => Some(miswired(suspect)),
+                CheckStep::Done(CheckReport::Undecided(why)) => Some(unchecked(why)),
+            },
             (Watch::Guard(_) | Watch::Ladder(_), _) => None,
         }
     }

@@ -93,7 +93,9 @@ impl Sight {
                 },
                 reading: heard.reading,
                 reference_field: heard.reference_field,
-                reference_sun: heard.reference_sun.filter(|_| heard.lit.is_some_and(|lit| lit >= LIT)),
+                reference_sun: heard
+                    .reference_sun
+                    .filter(|_| heard.lit.is_some_and(|lit| lit >= LIT)),
                 sun: heard.sun_b.sun.value().map(|sun| sun.direction),
             },
         }

@@ -8,6 +8,7 @@ use adcs_core::calibration::{
     twostep,
 };
 use adcs_core::identification::Recorded;
+use adcs_core::identification::coupling::{CouplingSample, TorquerCoupling};
 use adcs_core::identification::gyro::GyroBias;
 use adcs_core::identification::momentum::MomentumFit;
 use adcs_core::identification::sun::SunAlignment;
@@ -55,7 +56,7 @@ proptest! {
         }
         match twostep(plain.clone(), sheet) {
             Ok(found) => {
-                prop_assert!(all_finite(found.bias.iter().chain(found.covariance.iter())));
+                prop_assert!(all_finite(found.parameters.0.iter().chain(found.covariance.iter())));
             }
             Err(reason) => prop_assert!(!reason.to_string().is_empty()),
         }
@@ -81,6 +82,7 @@ proptest! {
         let mut gains = MomentumFit::gains(INERTIA, 20.0).unwrap();
         let mut bias = GyroBias::with_temperature(2.0, 0.0).unwrap();
         let mut sun = SunAlignment::default();
+        let mut coupling = TorquerCoupling::default();
         for &[dt, a, b, c, x, y, z, m, n, o, warm] in &rows {
             let recorded = Recorded {
                 dt_s: dt.abs(),
@@ -95,6 +97,8 @@ proptest! {
             gains.add(&recorded);
             bias.add(&recorded, warm);
             sun.add([a, b, c], [x, y, z], warm);
+            let field_t = [x, y, z];
+            coupling.add(&CouplingSample { dt_s, rate_rad_s, field_t, dipole_am2 });
         }
         if let Ok(found) = axes.verdict() {
             prop_assert!(all_finite(&[found.gyro_ratio, found.response, found.response_sigma]));
@@ -104,6 +108,9 @@ proptest! {
             prop_assert!(all_finite(found.x.iter().chain(found.covariance.iter())));
         }
         if let Ok(found) = ratios.solve() {
+            prop_assert!(all_finite(found.x.iter().chain(found.covariance.iter())));
+        }
+        if let Ok(found) = coupling.solve() {
             prop_assert!(all_finite(found.x.iter().chain(found.covariance.iter())));
         }
         if let Ok(found) = gains.solve() {

@@ -7,7 +7,7 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum IdentificationError {
-    /// Fewer equations than three for each unknown.
+    /// Fewer equations, or readings, than three for each unknown.
     TooFew {
         /// How many there are.
         found: u32,
@@ -21,6 +21,15 @@ pub enum IdentificationError {
         /// The largest that is accepted.
         limit: f32,
         /// The unknown with the largest part in the combination that is known least, from 0.
+        weakest: u8,
+    },
+    /// The record adds too little to what was assumed at first.
+    NotLearnt {
+        /// Of the sigma at first, how much is left of the unknown that was learnt least.
+        left: f32,
+        /// The largest part that is accepted.
+        limit: f32,
+        /// Which unknown, from 0.
         weakest: u8,
     },
     /// The tensor is not symmetric and positive.
@@ -47,6 +56,11 @@ impl fmt::Display for IdentificationError {
                 f,
                 "the record does not tell the unknowns apart: condition {condition}, at most {limit}; \
                  known least is unknown {weakest}"
+            ),
+            Self::NotLearnt { left, limit, weakest } => write!(
+                f,
+                "the record adds too little: {left} of the sigma at first is left of unknown {weakest}, \
+                 at most {limit}"
             ),
             Self::Inertia => write!(f, "the inertia tensor must be symmetric and positive"),
             Self::Interval { found } => {

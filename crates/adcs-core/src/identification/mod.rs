@@ -5,6 +5,7 @@
 //! | [`torque`] | torque, the paper's eq. (2); residual dipole, its eq. (3) | differences of rates |
 //! | [`momentum`] | residual dipole, inertia ratios, torquer gains | the same, integrated |
 //! | [`gyro`] | gyro bias and its slope with temperature | what the field's turning contradicts |
+//! | [`coupling`] | field of the torquers at the magnetometer | pulses between rests |
 //! | [`sun`] | alignment of the Sun sensors to the magnetometer | the angle between Sun and field |
 //!
 //! All are linear least squares over sums ([`Normal`]): a record is walked through once, nothing of it is
@@ -12,9 +13,12 @@
 //! A covariance speaks of noise that is new in every row. What is told wrong (the tensor, a bias of the field)
 //! is not in it: docs/identification has the sensitivities.
 
+pub mod coupling;
 mod error;
+mod field_motion;
 mod field_track;
 pub mod gyro;
+mod joint;
 mod least_squares;
 pub mod momentum;
 pub mod sun;
@@ -24,6 +28,11 @@ use nalgebra::{ComplexField, Matrix3, RealField, Vector3};
 
 pub use error::IdentificationError;
 pub use least_squares::{MAX_CONDITION, Normal, Solution};
+
+/// Of the gyro bias at first, rad/s: 1 deg/s.
+const PRIOR_BIAS_RAD_S: f64 = 0.0175;
+/// What the gyro bias wanders by, rad/s/√s: 0.1 deg/s in half an orbit, as of 10 degrees and 0.01 deg/s per degree.
+const BIAS_WALK: f64 = 3.2e-5;
 
 /// What was recorded at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +45,22 @@ pub struct Recorded<T> {
     pub field_t: Option<[T; 3]>,
     /// Of the torquers from the instant before until now, Body, A·m².
     pub dipole_am2: [T; 3],
+}
+
+/// Standard deviations of a sensor's readings, each axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise<T> {
+    /// Of the gyros, rad/s.
+    pub rate_rad_s: T,
+    /// Of the magnetometer, T.
+    pub field_t: T,
+}
+
+impl<T: RealField + Copy> Default for Noise<T> {
+    /// SPROUT's: 0.163 deg/s by the paper; 586 nT, its converter's step and its sensor's noise.
+    fn default() -> Self {
+        Self { rate_rad_s: number(0.163_f64.to_radians()), field_t: number(586e-9) }
+    }
 }
 
 impl<T: RealField + Copy> Recorded<T> {

@@ -19,16 +19,16 @@ use serde::{Deserialize, Serialize};
 
 use super::guard::GuardInputs;
 use super::parameters::{PolarityError, PolarityParameters};
-use super::permutation::SignedPermutation;
 use super::response::{Response, ResponseEvidence, Seen};
 use super::turning::Turning;
 use super::verdict::Suspect;
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, SignedPermutation, Vector};
 use crate::schedule::Phase;
 use crate::time::Utc;
 
-/// Rounds after which it gives up: five minutes of the paper's.
-pub const LONGEST_ROUNDS: u8 = 24;
+/// Rounds after which it gives up: ten minutes of the paper's. Pulses of half that length, as of a schedule
+/// that points, take that many.
+pub const LONGEST_ROUNDS: u8 = 48;
 /// Cycles after which it gives up whatever the phases say: 20 minutes of half seconds.
 pub const LONGEST_CYCLES: u16 = 2400;
 /// Each torquer has been pulsed once.
@@ -159,7 +159,7 @@ impl ActiveCheck {
         let (gyro, field) = (inputs.rate(), inputs.field());
         state.seen_rate |= gyro.is_some();
         state.seen_field |= field.is_some();
-        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring);
+        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring, 0.0);
         let wiring = state.assumed.unwrap_or(SignedPermutation::IDENTITY);
         let dipole = inputs.dipole();
         let back = wiring.inverse();
@@ -218,7 +218,7 @@ impl ActiveCheck {
     }
 
     /// The pulse of a round: one torquer after the other, with alternating sign.
-    fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
+    pub(crate) fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
         let acting = matches!(phase, Phase::Measuring | Phase::Acting);
         let sign = if round.is_multiple_of(2) { 1.0 } else { -1.0 };
         let axis = round % 3;

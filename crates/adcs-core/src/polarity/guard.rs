@@ -7,11 +7,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::parameters::{PolarityError, PolarityParameters};
-use super::permutation::SignedPermutation;
 use super::response::{Estimate, Response, Seen};
 use super::turning::{Turning, TurningEvidence};
 use super::verdict::{Evidence, GuardVerdict, Suspect};
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, SignedPermutation, Vector};
 use crate::reading::Reading;
 use crate::schedule::Phase;
 use crate::time::Utc;
@@ -21,6 +20,10 @@ const FASTEST_RAD_S: f32 = 5.2;
 /// Weakest and strongest field in low orbit, with room for a magnetometer that is not calibrated, T.
 const WEAKEST_T: f32 = 5e-6;
 const STRONGEST_T: f32 = 1e-4;
+
+/// Slower turns of the field tell nothing, rad/s: eight times what it turns in Eci, which is the same from
+/// round to round, and twice what the gyro's bias makes of a satellite at rest.
+const SLOWEST_RAD_S: f32 = 0.0175;
 
 /// Natural logarithm of the odds of the best wiring over the second best at which it is named: 20.
 const NAMED: f32 = 3.0;
@@ -75,8 +78,6 @@ pub struct GuardInputs {
     pub field_b: Reading<Vector<Body>>,
     /// What the torquers were told to carry since the last cycle, Body, A·m².
     pub carried: Vector<Body>,
-    /// Whether the torquers are to take energy out. A satellite that points may be spun up on purpose.
-    pub despins: bool,
 }
 
 impl GuardInputs {
@@ -108,8 +109,14 @@ impl Guard {
         Ok(Self { parameters: *parameters, inertia })
     }
 
-    /// One cycle of the closed loop. A stop stays one until the state is made anew.
-    pub fn cycle(&self, state: &mut GuardState, inputs: &GuardInputs) -> GuardVerdict {
+    /// One cycle of the closed loop, of which `despins` says whether it is to take energy out: a satellite
+    /// that points may be spun up on purpose. A stop stays one until the state is made anew.
+    pub fn cycle(
+        &self,
+        state: &mut GuardState,
+        inputs: &GuardInputs,
+        despins: bool,
+    ) -> GuardVerdict {
         let p = &self.parameters;
         let dt_s = state.last.map_or(0.0, |last| inputs.now.seconds_since(last) as f32);
         state.last = Some(inputs.now);
@@ -117,16 +124,16 @@ impl Guard {
         let last_of_rest = inputs.phase == Phase::Measuring;
         let seen = Seen { gyro, field, dipole: inputs.dipole() };
         state.response.cycle(p, &self.inertia, dt_s, &seen);
-        let compared = state.turning.cycle(p, dt_s, gyro, field, last_of_rest);
+        let compared = state.turning.cycle(p, dt_s, gyro, field, last_of_rest, SLOWEST_RAD_S);
         if compared {
             state.turned = Some(state.turning.evidence(p));
         }
         state.closed |= seen.dipole != Vector3::zeros();
-        if !inputs.despins {
+        if !despins {
             state.start = None;
         }
         if gyro.is_some() && state.stopped.is_none() {
-            state.stopped = self.judge(state, inputs.despins);
+            state.stopped = self.judge(state, despins);
         }
         let evidence = state.evidence.unwrap_or(Evidence::NONE);
         match state.stopped {

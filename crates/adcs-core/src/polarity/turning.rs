@@ -22,7 +22,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::parameters::PolarityParameters;
-use super::permutation::SignedPermutation;
+use crate::frames::SignedPermutation;
 
 /// Between two fields the satellite may turn for this long, s: twice the longest round of the paper.
 const LONGEST_S: f32 = 30.0;
@@ -32,9 +32,6 @@ const SHORTEST_S: f32 = 1.0;
 const FIELD_TURN_RAD_S: f32 = 2.2e-3;
 /// A field that no wiring explains within this many σ is none.
 const EXPLAINED: f32 = 8.0;
-/// Slower turns tell nothing, rad/s: eight times what the field turns in Eci, which is the same from
-/// round to round, and twice what the gyro's bias makes of a satellite at rest.
-const SLOWEST_RAD_S: f32 = 0.0175;
 /// Over how long fields are remembered, s: some rounds decide in a tumble, and what turns wrong later must
 /// not be outvoted by the days before.
 const MEMORY_S: f32 = 1000.0;
@@ -96,7 +93,8 @@ impl Default for Turning {
 
 impl Turning {
     /// Takes in one cycle, `dt_s` after the last: the gyro and the field at rest, each if it was measured,
-    /// and whether the field is the last of its rest. Returns whether a pair of fields was compared.
+    /// and whether the field is the last of its rest. What turned more slowly than `slowest_rad_s` in the
+    /// mean is passed over. Returns whether a pair of fields was compared.
     pub(super) fn cycle(
         &mut self,
         parameters: &PolarityParameters,
@@ -104,6 +102,7 @@ impl Turning {
         gyro: Option<Vector3<f32>>,
         field: Option<Vector3<f32>>,
         last_of_rest: bool,
+        slowest_rad_s: f32,
     ) -> bool {
         self.carry(dt_s, gyro);
         if !last_of_rest {
@@ -112,7 +111,7 @@ impl Turning {
         // Without the gyro's word at this instant the turn ends before it.
         let spoke = self.rate.is_some_and(|(_, age_s)| age_s == 0.0);
         let field = field.filter(|_| spoke);
-        let pair = self.turn.filter(Turn::tells).zip(field);
+        let pair = self.turn.filter(|turn| turn.tells(slowest_rad_s)).zip(field);
         let compared = pair.is_some_and(|(turn, field)| self.compare(parameters, &turn, field));
         self.turn = field.map(Turn::new);
         compared
@@ -207,8 +206,8 @@ impl Turn {
     }
 
     /// Whether wirings can be told apart by it.
-    fn tells(&self) -> bool {
-        let turned = self.forward.angle() >= SLOWEST_RAD_S * self.elapsed_s;
+    fn tells(&self, slowest_rad_s: f32) -> bool {
+        let turned = self.forward.angle() >= slowest_rad_s * self.elapsed_s;
         self.elapsed_s >= SHORTEST_S && turned
     }
 

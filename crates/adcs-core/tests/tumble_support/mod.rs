@@ -20,6 +20,8 @@ pub const LIMIT_AM2: f64 = 0.6;
 const ORBIT_RATE: f64 = 1.08e-3;
 /// Field of a dipole at the equator of that orbit, T.
 const EQUATOR_T: f64 = 23.5e-6;
+/// Of the drag at most, N·m: at 600 km.
+const DRAG_N_M: f64 = 1e-8;
 /// Of the integration, s. RK4 at 15 deg/s: 1e-9 of a step.
 const STEP_S: f64 = 0.25;
 
@@ -52,6 +54,8 @@ pub struct Satellite {
     pub rate: Vector3<f64>,
     pub q: UnitQuaternion<f64>,
     pub seconds: f64,
+    /// Gravity gradient, and a torque as of drag that goes round with the orbit.
+    pub disturbed: bool,
     phase: f64,
 }
 
@@ -64,14 +68,29 @@ impl Satellite {
             rate,
             q: UnitQuaternion::from_scaled_axis(random.vector(1.5)),
             seconds: 0.0,
+            disturbed: false,
             phase: random.uniform() * std::f64::consts::TAU,
         }
     }
 
-    /// Inertial field of a dipole tilted by 10 degrees, in a polar orbit.
-    pub fn field_inertial(&self, seconds: f64) -> Vector3<f64> {
+    /// Direction from the centre of the Earth, in a polar orbit.
+    fn zenith(&self, seconds: f64) -> Vector3<f64> {
         let (sin, cos) = (self.phase + ORBIT_RATE * seconds).sin_cos();
-        let r = Vector3::new(cos, 0.17 * sin, 0.985 * sin).normalize();
+        Vector3::new(cos, 0.17 * sin, 0.985 * sin).normalize()
+    }
+
+    /// Torque beside the field's, with this attitude.
+    fn disturbance(&self, q: UnitQuaternion<f64>, seconds: f64) -> Vector3<f64> {
+        let zenith = q.inverse() * self.zenith(seconds);
+        let gradient = 3.0 * ORBIT_RATE.powi(2) * zenith.cross(&(self.inertia * zenith));
+        // The flow comes from ahead, a quarter of an orbit later; the centre of pressure is off towards Body X.
+        let ahead = q.inverse() * self.zenith(seconds + 0.25 * std::f64::consts::TAU / ORBIT_RATE);
+        gradient + Vector3::x().cross(&ahead) * DRAG_N_M
+    }
+
+    /// Inertial field of a dipole tilted by 10 degrees.
+    pub fn field_inertial(&self, seconds: f64) -> Vector3<f64> {
+        let r = self.zenith(seconds);
         let axis = Vector3::new(0.12, -0.12, -0.985).normalize();
         (axis - r * (3.0 * axis.dot(&r))) * -EQUATOR_T
     }
@@ -88,7 +107,10 @@ impl Satellite {
         for _ in 0..steps {
             let field = self.field_inertial(self.seconds + 0.5 * STEP_S);
             let slope = |rate: Vector3<f64>, q: UnitQuaternion<f64>| {
-                let torque = (dipole + self.residual).cross(&(q.inverse() * field));
+                let mut torque = (dipole + self.residual).cross(&(q.inverse() * field));
+                if self.disturbed {
+                    torque += self.disturbance(q, self.seconds);
+                }
                 inverse * (torque - rate.cross(&(self.inertia * rate)))
             };
             // The attitude of the middle and of the end with the rate of the stage before.

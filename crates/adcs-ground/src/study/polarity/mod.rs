@@ -86,7 +86,6 @@ fn inputs(moment: &Moment, allocation: &Allocation) -> GuardInputs {
         omega_bi: moment.thoughts.omega_bi,
         field_b: moment.thoughts.field_b,
         carried: allocation.to_body(moment.carried),
-        despins: true,
     }
 }
 
@@ -113,7 +112,7 @@ pub fn fly_guarded(
         let moment = closed_loop.step_with(|moment| {
             let said = inputs(moment, &allocation);
             if stop.is_none() {
-                match guard.cycle(&mut state, &said) {
+                match guard.cycle(&mut state, &said, true) {
                     GuardVerdict::Stop { suspect, evidence: now } => {
                         stop = Some(((moment.truth.t_s - listen_s).max(0.0), suspect));
                         evidence = now;

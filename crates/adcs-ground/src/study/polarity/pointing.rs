@@ -56,6 +56,7 @@ fn parameters(case: &Case) -> Result<FlightParameters> {
         despin: FlownParameters { law: b_dot(), steering },
         experiment: None,
         polarity: Some(polarity),
+        commissioning: None,
     };
     Ok(FlightParameters { modes: Some(modes), ..flight })
 }

@@ -155,11 +155,9 @@ impl Guard {
             energy,
         });
         if let Some(it) = turning.filter(|it| it.wrong >= limit) {
-            return Some(match it.best {
-                _ if it.lead < NAMED => Suspect::Sensors,
-                wiring if wiring.is_rotation() => Suspect::GyroOrMagnetometer(wiring),
-                wiring => Suspect::Gyro(wiring),
-            });
+            let mirrors = !it.best.is_rotation();
+            let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
+            return Some(name(it.best));
         }
         if let Some(it) = response.filter(|it| it.wrong >= limit) {
             return Some(match it.best {

@@ -273,6 +273,14 @@ fn the_papers_experiment_ends_within_6000_nt_and_with_square_axes_found_within_2
     }
     assert_eq!(model(&history, "auto")["model"], "nine");
 
+    // Without gyros the same, but for the axes.
+    let mute = folder.join("without-gyros.csv");
+    let named = fs::read_to_string(&history).unwrap().replace("gyro_", "not_gyro_");
+    fs::write(&mute, named).unwrap();
+    let (with, without) = (model(&history, "nine"), model(&mute, "nine"));
+    assert_eq!(with["scale_nt_per_v"], without["scale_nt_per_v"]);
+    assert!(without["axes"].is_null(), "{without}");
+
     // With its result the flight software measures the same.
     let (toml, angle) = (folder.join("nine.toml"), folder.join("angle.svg"));
     let arguments = [&history, Path::new("--toml"), &toml, Path::new("--angle-plot"), &angle]

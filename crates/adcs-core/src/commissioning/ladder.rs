@@ -12,6 +12,7 @@ use super::sun::Sun;
 use super::track::{Instant, Track, finite};
 use super::{Witnessed, track};
 use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Vector};
+use crate::identification::Noise;
 use crate::polarity::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
@@ -27,6 +28,8 @@ pub struct Told {
     pub magnetometer: TriadParameters,
     /// The inertia tensor as well as it is known, Body, kg·m².
     pub inertia_kg_m2: [[f32; 3]; 3],
+    /// Noise of gyros and magnetometer.
+    pub noise: Noise<f32>,
     /// How long the torquers' field takes to die away, s.
     pub settle_s: f32,
 }
@@ -172,7 +175,7 @@ impl Ladder {
         let due = state.for_s >= least_s && state.unseen_s >= LOOK_S;
         if due || late {
             state.unseen_s = 0.0;
-            let judged = self.judged(&state.work, rung);
+            let judged = self.judged(&state.work, rung, &state.findings);
             let passed = judged.is_some_and(|(_, passed)| passed);
             if passed || late {
                 let outcome = match judged {
@@ -209,7 +212,7 @@ impl Ladder {
         let work = match rung {
             Rung::Magnetometer => Magnetometer::new().map(Work::Magnetometer),
             Rung::Polarity => Some(Work::Polarity(CheckState::default())),
-            Rung::Coupling => Coupling::new().map(Work::Coupling),
+            Rung::Coupling => Some(Work::Coupling(Coupling::new(self.told.noise))),
             Rung::Gyro => Gyro::new().map(Work::Gyro),
             Rung::Sun => Some(Work::Sun(Sun::default())),
             Rung::Dipole | Rung::Inertia => {
@@ -245,12 +248,12 @@ impl Ladder {
         }
     }
 
-    fn judged(&self, work: &Work, rung: Rung) -> Judged {
+    fn judged(&self, work: &Work, rung: Rung, findings: &Findings) -> Judged {
         let p = &self.parameters;
         match work {
             Work::None | Work::Polarity(_) => None,
             Work::Magnetometer(work) => work.judged(p),
-            Work::Coupling(work) => work.judged(p),
+            Work::Coupling(work) => work.judged(p, findings.magnetometer.as_ref()),
             Work::Gyro(work) => work.judged(p),
             Work::Sun(work) => work.judged(p),
             Work::Momentum(work) => work.judged(p, rung),

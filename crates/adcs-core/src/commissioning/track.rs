@@ -34,6 +34,8 @@ pub(super) struct Instant {
     pub rate: Vector3<f32>,
     /// Mean dipole of the torquers since the last one, Body, A·m².
     pub dipole: Vector3<f32>,
+    /// What they carry now, Body, A·m².
+    pub carried: Vector3<f32>,
 }
 
 /// What one cycle adds.
@@ -67,7 +69,7 @@ impl Track {
             let dt_s = if self.since_gyro_s <= LONGEST_GAP_S { self.since_gyro_s } else { 0.0 };
             let dipole = if dt_s > 0.0 { self.carried / dt_s } else { carried };
             (self.since_gyro_s, self.carried) = (0.0, Vector3::zeros());
-            Instant { dt_s, rate: rate.xyz, dipole }
+            Instant { dt_s, rate: rate.xyz, dipole, carried }
         });
         Passed { dt_s, rests: self.rest_s >= settle_s, instant }
     }

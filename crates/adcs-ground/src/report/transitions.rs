@@ -75,6 +75,8 @@ pub fn cause_words(cause: Cause) -> String {
         Cause::Over => "experiment over",
         Cause::Recovered => "sensors recovered",
         Cause::Checked => "wired as it should be",
+        Cause::Commissioned => "commissioned",
+        Cause::Resumed => "commissioning goes on after a reset",
         Cause::Unchecked(why) => return format!("wiring not known: {why}"),
         Cause::Miswired(suspect) => return suspect.to_string(),
         _ => "unknown",

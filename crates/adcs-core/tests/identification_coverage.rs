@@ -4,6 +4,7 @@
 mod tumble_support;
 
 use adcs_core::identification::coupling::{CouplingSample, TorquerCoupling};
+use adcs_core::identification::momentum::MomentumFit;
 use adcs_core::identification::{Noise, Recorded, Solution};
 use nalgebra::{Matrix3, SVector, Vector3};
 use tumble_support::{FIELD_NOISE_T, GYRO_NOISE, INERTIA, Random, Satellite};
@@ -210,4 +211,89 @@ fn the_torquers_field_lies_within_two_sigma_of_400_satellites() {
     let coverage = coupling(0..400, 90.0);
     coverage.show("coupling, T per A m²");
     assert!(INSIDE.contains(&coverage.share()));
+}
+
+/// M, five of the tensor in kg·m², G column by column.
+fn truth_of(case: &Case) -> [f64; 17] {
+    let off = case.satellite.inertia - told_inertia(case);
+    let mut truth = [0.0; 17];
+    truth[..3].copy_from_slice(case.satellite.residual.as_slice());
+    truth[3..8].copy_from_slice(&[off.m11, off.m22, off.m12, off.m13, off.m23]);
+    truth[8..].copy_from_slice(case.gains.as_slice());
+    truth
+}
+
+/// The paper's, with the trace that is true.
+fn told_inertia(case: &Case) -> Matrix3<f64> {
+    let told = Matrix3::from(INERTIA);
+    told * (case.satellite.inertia.trace() / told.trace())
+}
+
+fn momentum<const N: usize>(
+    cases: std::ops::Range<u64>,
+    longest_min: f64,
+    name: &str,
+    pulses: bool,
+    knows_tensor: bool,
+    knows_gains: bool,
+    pick: [usize; N],
+    fit: impl Fn([[f32; 3]; 3], Noise<f32>) -> MomentumFit<f32, N>,
+) -> Coverage {
+    let mut coverage: [Coverage; N] = core::array::from_fn(|_| Coverage::default());
+    for seed in cases {
+        let mut case = Case::new(seed, longest_min);
+        if knows_gains {
+            case.gains = Matrix3::identity();
+        }
+        if !pulses {
+            case.pulse_am2 = 0.0;
+        }
+        let told = if knows_tensor { case.satellite.inertia } else { told_inertia(&case) };
+        let mut all = truth_of(&case);
+        if knows_tensor {
+            all[3..8].fill(0.0);
+        }        let truth = SVector::from(pick.map(|index| all[index]));
+        let mut fit = fit(told.map(|x| x as f32).into(), noise());
+        let duration = case.duration_s;
+        case.record(|at| fit.add(&at.recorded));
+        match fit.solve() {
+            Ok(found) => Coverage::add_all(&mut coverage, &found, &truth),
+            Err(error) => println!("{name} {seed} {duration}: {error}"),
+        }
+    }
+    for (index, one) in coverage.iter().enumerate() {
+        one.show(&format!("{name} {index}"));
+    }
+    let all = Coverage::together(&coverage);
+    all.show(name);
+    all
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn momentum_of_400_satellites() {
+    for (longest, n) in [(20.0, 200), (90.0, 100)] {
+        println!("== {longest}");
+        let tensor = core::array::from_fn(|index| index);
+        let gains = core::array::from_fn(|index| if index < 3 { index } else { index + 5 });
+        let all = core::array::from_fn(|index| index);
+        momentum(0..n, longest, "dipole quiet", false, true, true, [0, 1, 2], |j, n| {
+            MomentumFit::dipole(j, n).unwrap()
+        });
+        momentum(0..n, longest, "dipole pulses", true, true, true, [0, 1, 2], |j, n| {
+            MomentumFit::dipole(j, n).unwrap()
+        });
+        momentum(0..n, longest, "ratios", true, false, true, tensor, |j, n| {
+            MomentumFit::ratios(j, n).unwrap()
+        });
+        momentum(0..n, longest, "ratios near", true, true, true, tensor, |j, n| {
+            MomentumFit::ratios(j, n).unwrap()
+        });
+        momentum(0..n, longest, "gains", true, true, false, gains, |j, n| {
+            MomentumFit::gains(j, n).unwrap()
+        });
+        momentum(0..n, longest, "all", true, false, false, all, |j, n| {
+            MomentumFit::ratios_and_gains(j, n).unwrap()
+        });
+    }
 }

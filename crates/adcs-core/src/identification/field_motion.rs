@@ -17,7 +17,7 @@ use super::number;
 /// most and by 5.4·10⁻⁸ T/s in the mean square, n = 1.08·10⁻³ rad/s, B₀ = 23.5 µT.
 pub(super) const FIELD_CHANGE_T_S: f64 = 4e-8;
 /// d turns at 2 n: after half of 1/n it is another.
-const FIELD_CHANGE_LASTS_S: f64 = 500.0;
+const FIELD_CHANGE_LASTS_S: f64 = 2000.0;
 /// A field that was turned on for longer is given up, s.
 pub(super) const MAX_GAP_S: f64 = 60.0;
 

@@ -72,6 +72,27 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         self.state_covariance.fixed_view_mut::<3, 3>(first, first).copy_from(&own);
     }
 
+    /// Keeps the estimate, and of what led to it one part in `factor`².
+    pub fn forget(&mut self, factor: T) {
+        let square = factor * factor;
+        self.state_covariance *= square;
+        self.shared_covariance *= square;
+        self.unknown_covariance *= square;
+        // As sure of the unknowns as at first.
+        for index in 0..N {
+            let mut of_unknown = SVector::<T, N>::zeros();
+            let (Some(one), Some(sigma)) = (of_unknown.get_mut(index), self.prior_sigma.get(index))
+            else {
+                continue;
+            };
+            *one = T::one();
+            let variance = *sigma * *sigma;
+            let own = of_unknown.dot(&self.unknown);
+            self.read_one(&SVector::zeros(), &of_unknown, own, variance);
+        }
+        (self.squares, self.readings) = (T::zero(), 0);
+    }
+
     /// Carries the covariance over a step: δs' = F δs + L δp + noise.
     pub fn carry(
         &mut self,

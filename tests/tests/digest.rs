@@ -13,7 +13,7 @@ use adcs_core::modes::Mode;
 use adcs_core::pipeline::ControlStatus;
 use adcs_ground::emulator::Emulator;
 use adcs_ground::flight::Patient;
-use adcs_sim::scenario::{Scenario, TimedCommand};
+use adcs_sim::scenario::{Order, Scenario, TimedCommand};
 use adcs_tests::{fly, mission};
 
 fn digests(name: &str) -> (u64, u64) {
@@ -103,7 +103,7 @@ fn ten_minutes_of_all_modes_and_targets_have_the_same_bits_on_the_emulated_core(
     (table.despun_for_s, table.trusted_for_s, table.experiment_s) = (20.0, 20.0, 100.0);
     (table.attitude_sigma_rad, table.dipole_sigma_am2) = (0.2, None);
     table.experiment_next = Mode::Detumble;
-    let entered = TimedCommand { cycle: 600, enter: Mode::Experiment };
+    let entered = TimedCommand { cycle: 600, order: Order::Enter(Mode::Experiment) };
     scenario.commands[0] = Some(entered);
     let entered = fly(&scenario).records.iter().filter_map(|it| it.mode?.transition).count();
     assert!(entered >= 5, "only {entered} transitions");

@@ -5,7 +5,7 @@ use adcs_core::polarity::{SignedPermutation, Suspect};
 use adcs_core::reading::MissingReason;
 use adcs_ground::report::pointing::Targets;
 use adcs_hal::fault::{Fault, FaultKind, SensorAxis};
-use adcs_sim::scenario::{COMMANDS, Scenario, TimedCommand};
+use adcs_sim::scenario::{COMMANDS, Order, Scenario, TimedCommand};
 use adcs_tests::{Flight, fly, fly_with_faults, mission};
 
 const CYCLES_A_SECOND: u32 = 2;
@@ -59,9 +59,9 @@ fn failing(mode: Mode, sensor: Sensor, kind: fn(SensorAxis) -> FaultKind) -> Fli
     if mode != Mode::Point {
         modes.table.trusted_for_s = 9_000.0;
     }
-    let entered = TimedCommand { cycle: 900 * CYCLES_A_SECOND, enter: mode };
+    let entered = TimedCommand { cycle: 900 * CYCLES_A_SECOND, order: Order::Enter(mode) };
     scenario.commands = [None; COMMANDS];
-    scenario.commands[0] = Some(TimedCommand { cycle: 10 * CYCLES_A_SECOND, enter: Mode::Acquire });
+    scenario.commands[0] = Some(TimedCommand { cycle: 10 * CYCLES_A_SECOND, order: Order::Enter(Mode::Acquire) });
     scenario.commands[1] = Some(entered);
     scenario.cycles = 2_000 * CYCLES_A_SECOND;
     let axes = match sensor {
@@ -124,7 +124,7 @@ fn without_sun_sensors_despin_goes_on_to_its_end_and_then_to_safety() {
         (Mode::Experiment, 309.0..=311.0, Cause::Over),
     ] {
         scenario.commands[0] =
-            (mode == Mode::Experiment).then_some(TimedCommand { cycle: 20, enter: mode });
+            (mode == Mode::Experiment).then_some(TimedCommand { cycle: 20, order: Order::Enter(mode) });
         // THEN despin goes on to its end, and from there to safety
         let flight = fly_with_faults(&scenario, &faults);
         let all = transitions(&flight);
@@ -178,7 +178,7 @@ fn commands_of_a_mission_reach_the_satellite_at_their_time() {
         (60, Mode::Experiment),
         (80, Mode::Safe),
     ]) {
-        *slot = Some(TimedCommand { cycle: seconds * CYCLES_A_SECOND, enter });
+        *slot = Some(TimedCommand { cycle: seconds * CYCLES_A_SECOND, order: Order::Enter(enter) });
     }
     let flight = fly(&scenario);
     let all = transitions(&flight);
@@ -220,7 +220,7 @@ fn commissioning_names_a_magnetometer_with_two_signs_turned_round() {
         panic!("{all:?}")
     };
     let Suspect::Magnetometer(wiring) = suspect else { panic!("{suspect}") };
-    assert_eq!(wiring.to_string(), "(-x, -y, +z)");
+    assert_eq!(wiring.to_string(), "-x -y +z");
     assert_ne!(*wiring, SignedPermutation::IDENTITY);
     assert!(flight.records.iter().rev().take(100).all(|it| it.commanded_am2 == [0.0; 3]));
 }

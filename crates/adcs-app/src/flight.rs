@@ -1,6 +1,7 @@
 //! The object that flies.
 
 use adcs_core::attitude::selection::{AttitudeSource, Determination};
+use adcs_core::commissioning::{Commit, Findings};
 use adcs_core::frames::{TorquerAxes, Vector};
 use adcs_core::modes::Mode;
 use adcs_core::pipeline::{self, Configuration, Inputs, State, Thoughts};
@@ -28,6 +29,8 @@ pub struct Health {
     pub torquer_faults: u32,
     /// Cycles in which the orbit model gave no position.
     pub cycles_without_orbit: u32,
+    /// Results of commissioning that were to be put in force and were refused.
+    pub commits_refused: u32,
     /// Records that did not fit their frame, which cannot happen.
     pub records_lost: u32,
 }
@@ -36,12 +39,16 @@ pub struct Health {
 #[derive(Debug)]
 pub struct FlightApp<'a, B> {
     board: B,
+    /// As uplinked; what commissioning finds is relative to these.
+    uploaded: FlightParameters,
     schedule: Schedule,
     configuration: Configuration,
     state: &'a mut State,
     /// What the torquers carry since the last cycle, A·m².
     carried: Vector<TorquerAxes>,
     commanded: Option<Mode>,
+    /// Whether commissioning's results have been put in force since the last cycle.
+    committed: bool,
     next_cycle: u32,
     health: Health,
     digest: Digest,
@@ -61,11 +68,13 @@ impl<'a, B: Board> FlightApp<'a, B> {
         let (schedule, configuration) = parameters.accept()?;
         Ok(Self {
             board,
+            uploaded: *parameters,
             schedule,
             configuration,
             state,
             carried: Vector::zero(),
             commanded: None,
+            committed: false,
             next_cycle: 0,
             health: Health::default(),
             digest: Digest::default(),
@@ -79,16 +88,82 @@ impl<'a, B: Board> FlightApp<'a, B> {
         let driven = self.board.drive(thoughts.command.dipole);
         // A board that refuses has switched off.
         self.carried = driven.unwrap_or(Vector::zero());
-        let record = record(self.next_cycle, &inputs, &thoughts, driven.ok().map(|d| d.to_array()));
+        let driven_am2 = driven.ok().map(|dipole| dipole.to_array());
+        let committed = core::mem::take(&mut self.committed);
+        let record =
+            CycleRecord { committed, ..record(self.next_cycle, &inputs, &thoughts, driven_am2) };
         self.count(&record);
         self.absorb(&Message::Cycle(record));
         self.next_cycle = self.next_cycle.wrapping_add(1);
+        self.follow(&thoughts);
         record
+    }
+
+    /// What was found is relative to what was uplinked: a climb begins with that, and may end with a commit.
+    fn follow(&mut self, thoughts: &Thoughts) {
+        let transition = thoughts.mode.and_then(|report| report.transition);
+        if transition.is_some_and(|transition| transition.to == Mode::Commissioning) {
+            self.state.set_committed(false);
+            // Accepted before, and so accepted again.
+            let _ = self.put_in_force(&{ self.uploaded });
+        }
+        if thoughts.commissioning.is_some_and(|report| report.rung.is_none()) {
+            self.commit_by_policy();
+        }
     }
 
     /// Asks for a mode; the next cycle follows, or says in its record that it cannot.
     pub fn command(&mut self, mode: Mode) {
         self.commanded = Some(mode);
+    }
+
+    /// What commissioning has found so far: to be kept where a reset does not reach it.
+    pub fn findings(&self) -> &Findings {
+        self.state.findings()
+    }
+
+    /// Before the first cycle: what had been found before a reset. A climb that was interrupted goes on with the
+    /// first rung that had not ended; what had been put in force is put in force again.
+    pub fn resume(&mut self, findings: Findings) {
+        self.state.resume(findings);
+        if findings.committed {
+            let _ = self.commit();
+        } else if findings.next().is_none() {
+            self.commit_by_policy();
+        }
+    }
+
+    /// Puts in force what commissioning found, as far as it passed its gates. Filters, plans and laws begin
+    /// anew with it.
+    ///
+    /// # Errors
+    /// [`ParameterError`] when the parameters are refused with it, which health counts; what was in force
+    /// stays.
+    pub fn commit(&mut self) -> Result<(), ParameterError> {
+        let parameters = self.uploaded.committed(self.state.findings());
+        let put = self.put_in_force(&parameters);
+        if put.is_err() {
+            let refused = &mut self.health.commits_refused;
+            *refused = refused.saturating_add(1);
+        }
+        put?;
+        self.state.set_committed(true);
+        self.committed = true;
+        Ok(())
+    }
+
+    fn put_in_force(&mut self, parameters: &FlightParameters) -> Result<(), ParameterError> {
+        (self.schedule, self.configuration) = parameters.accept()?;
+        self.state.recalibrated();
+        Ok(())
+    }
+
+    fn commit_by_policy(&mut self) {
+        let ladder = self.configuration.modes.as_ref().and_then(|modes| modes.ladder.as_ref());
+        if ladder.is_some_and(|ladder| ladder.commit() == Commit::WhenPassed) {
+            // A refusal is counted, and what was in force stays.
+            let _ = self.commit();
+        }
     }
 
     /// In simulation: takes the true state of a cycle into the flight's digest.
@@ -179,6 +254,8 @@ fn record(
         sunlit: thoughts.sunlit,
         determination: thoughts.determination.as_ref().map(determination_record),
         mode: thoughts.mode,
+        commissioning: thoughts.commissioning,
+        committed: false,
         control: thoughts.control,
         pointing_error_rad: thoughts.pointing_error_rad,
         commanded_am2: thoughts.command.dipole.to_array(),

@@ -18,6 +18,7 @@
     )
 )]
 
+mod commit;
 pub mod flight;
 pub mod parameters;
 

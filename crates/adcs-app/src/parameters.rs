@@ -5,6 +5,7 @@ use core::fmt;
 
 use adcs_core::attitude::dynamic::DynamicError;
 use adcs_core::attitude::selection::{Estimator, EstimatorParameters, Flies};
+use adcs_core::commissioning::{CommissioningError, CommissioningParameters, Ladder, Told};
 use adcs_core::control::allocation::{Allocation, AllocationError, TorquerParameters};
 use adcs_core::control::b_dot::{BDot, BDotGain, GainError};
 use adcs_core::control::bang_bang::{BangBang, BangBangError, BangBangParameters};
@@ -75,6 +76,8 @@ pub struct ModesParameters {
     pub experiment: Option<FlownParameters>,
     /// What looks after the wiring; `None` to trust it.
     pub polarity: Option<PolarityParameters>,
+    /// The commissioning ladder, which needs what looks after the wiring; `None` for its active check alone.
+    pub commissioning: Option<CommissioningParameters>,
 }
 
 /// Everything that a satellite team configures for its flight.
@@ -124,6 +127,8 @@ pub enum ParameterError {
     Modes(ModeError),
     /// What looks after the wiring.
     Polarity(PolarityError),
+    /// The commissioning ladder.
+    Commissioning(CommissioningError),
     /// The accuracy from which on the residual dipole is fed forward.
     FeedForward(SigmaError),
     /// The gyros' correction.
@@ -151,6 +156,7 @@ impl fmt::Display for ParameterError {
             Self::Aim(error) => write!(f, "law: {error}"),
             Self::Modes(error) => write!(f, "modes: {error}"),
             Self::Polarity(error) => write!(f, "polarity: {error}"),
+            Self::Commissioning(error) => write!(f, "commissioning: {error}"),
             Self::FeedForward(error) => write!(f, "law: {error}"),
             Self::Gyro(error) => write!(f, "gyro: {error}"),
             Self::Magnetometer(error) => write!(f, "magnetometer: {error}"),
@@ -214,6 +220,7 @@ impl ModesParameters {
         &self,
         pointing: &Flown,
         attitude: Option<&EstimatorParameters>,
+        (magnetometer, settle_s): (&TriadParameters, f32),
     ) -> Result<Modes, ParameterError> {
         let despin = self.despin.accept(pointing.steering.round)?;
         let experiment =
@@ -227,6 +234,7 @@ impl ModesParameters {
             }
             _ if !pointing.law.points() => Some(ModeError::NotPointing),
             None => Some(ModeError::NoAttitude),
+            _ if self.commissioning.is_some() && !has_check => Some(ModeError::NoCheck),
             Some(EstimatorParameters { flies: Flies::Mekf, .. })
                 if self.table.dipole_sigma_am2.is_some() =>
             {
@@ -246,7 +254,12 @@ impl ModesParameters {
             Ok(Polarity { guard: Guard::new(parameters)?, check: ActiveCheck::new(parameters)? })
         });
         let polarity = polarity.transpose().map_err(ParameterError::Polarity)?;
-        Ok(Modes { table, despin, acquire, experiment, polarity })
+        let inertia = self.polarity.map(|polarity| polarity.inertia_kg_m2);
+        let ladder = self.commissioning.as_ref().zip(inertia).map(|(parameters, inertia_kg_m2)| {
+            Ladder::new(parameters, &Told { magnetometer: *magnetometer, inertia_kg_m2, settle_s })
+        });
+        let ladder = ladder.transpose().map_err(ParameterError::Commissioning)?;
+        Ok(Modes { table, despin, acquire, experiment, polarity, ladder })
     }
 }
 
@@ -260,7 +273,10 @@ impl FlightParameters {
             Schedule::new(&self.schedule, self.cycle_us).map_err(ParameterError::Schedule)?;
         let flown = FlownParameters { law: self.law, steering: self.steering };
         let flown = flown.accept(self.schedule.round())?;
-        let modes = self.modes.map(|modes| modes.accept(&flown, self.attitude.as_ref()));
+        let settle_s = self.schedule.settle_us as f32 * 1e-6;
+        let modes = self.modes.map(|modes| {
+            modes.accept(&flown, self.attitude.as_ref(), (&self.magnetometer, settle_s))
+        });
         let modes = modes.transpose()?;
         let Flown { law, steering } = flown;
         let orbit = match &self.elements {

@@ -22,6 +22,7 @@
 
 pub mod attitude;
 pub mod calibration;
+pub mod commissioning;
 pub mod control;
 mod determination;
 pub mod environment;

@@ -4,6 +4,7 @@
 //! telemetry, history and golden trace at once. Nothing here talks to a bus or asks a clock.
 
 use crate::attitude::selection::{Determination, Estimator};
+use crate::commissioning::{Findings, LadderReport};
 use crate::control::allocation::{Allocation, Command};
 use crate::determination::{Sensed, StageState};
 use crate::environment::field::FieldModel;
@@ -102,6 +103,8 @@ pub struct Thoughts {
     pub determination: Option<Determination>,
     /// What the mode machine says; `None` without modes.
     pub mode: Option<ModeReport>,
+    /// What the commissioning ladder says; `None` unless it is being climbed.
+    pub commissioning: Option<LadderReport>,
     /// What stage III did.
     pub control: ControlStatus,
     /// Angle from Body to the target, rad, as believed when this round was decided; `None` in a rest, and
@@ -147,7 +150,18 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     let at = (inputs.now, inputs.phase);
     let lit = sunlight.and_then(|sunlight| sunlight.lit);
     let carried = configuration.allocation.to_body(inputs.carried);
-    let heard = Heard { omega_bi, field_b, sun_b: &sun_b, lit, carried };
+    let reference_sun = sunlight.map(|sunlight| sunlight.direction);
+    let reading = Reading::from_axes(field_t).map(|[x, y, z]| Vector::new(x, y, z));
+    let heard = Heard {
+        omega_bi,
+        field_b,
+        sun_b: &sun_b,
+        lit,
+        reading,
+        reference_field,
+        reference_sun,
+        carried,
+    };
     let mode = configuration.modes.as_ref().map(|modes| {
         let error = state.steering.error_rad();
         let sight = Sight::of(at, inputs.commanded, &heard, determination.as_ref(), error);
@@ -158,7 +172,6 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     }
 
     // Stage III: what to do about it.
-    let reference_sun = sunlight.map(|sunlight| sunlight.direction);
     let models = Models {
         orbit: configuration.orbit.as_ref().map(InterpolatedOrbit::model),
         sun: &configuration.sun,
@@ -187,6 +200,7 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         sun_b,
         determination,
         mode,
+        commissioning: state.modes.climbed(),
         control: decision.control,
         pointing_error_rad: decision.error_rad,
         command: decision.command,
@@ -217,6 +231,28 @@ fn sighting(
 }
 
 impl State {
+    /// What commissioning has found so far: all that has to be kept over a reset.
+    pub fn findings(&self) -> &Findings {
+        self.modes.findings()
+    }
+
+    /// Before the first cycle: what had been found before a reset.
+    pub fn resume(&mut self, findings: Findings) {
+        self.modes.resume(findings);
+    }
+
+    /// Remembers whether what was found has been put in force.
+    pub fn set_committed(&mut self, committed: bool) {
+        self.modes.set_committed(committed);
+    }
+
+    /// Forgets what was concluded from readings that were corrected otherwise: filters, plans, commands.
+    pub fn recalibrated(&mut self) {
+        self.determination = StageState::default();
+        self.planning = PlanningState::default();
+        self.steering = SteeringState::default();
+    }
+
     /// What gyro and magnetometer say, unless they have frozen. Without stage II nobody could take
     /// over, and despin flies on what there is.
     fn still_measured(

@@ -103,7 +103,7 @@ fn without_noise_every_model_is_recovered_from_the_data_sheet() {
 
     let samples = nine.iter().map(|coupled| coupled.sample);
     let found = twostep(samples.clone(), DATA_SHEET).unwrap();
-    assert_near(&found.parameters(DATA_SHEET), &truth());
+    assert_near(&found.parameters, &truth());
 
     let mut sums = Sums::new(DATA_SHEET, 35e3).unwrap();
     samples.for_each(|sample| sums.add(sample).unwrap());
@@ -201,29 +201,6 @@ fn the_covariances_are_the_scatter_of_the_estimates() {
 }
 
 #[test]
-fn the_covariance_of_twostep_is_the_scatter_of_its_estimates() {
-    const RUNS: u64 = 200;
-    const OF_NINE: std::ops::Range<f64> = 8.0..10.5;
-    // Its D and b, from the parameters: (I + D)² = MᵀM in units of the data sheet.
-    let x = simpler(9);
-    let exact = Random::new(0).tumble(300, &x, 0.0);
-    let unknowns = |found: &adcs_core::calibration::TwoStep<f64>| {
-        let [b_x, b_y, b_z] = found.bias;
-        let d = found.distortion;
-        [b_x, b_y, b_z, d[0][0], d[1][1], d[2][2], d[0][1], d[0][2], d[1][2]]
-    };
-    let exact = twostep(exact.iter().map(|coupled| coupled.sample), DATA_SHEET).unwrap();
-    let mut padded = SVector::<f64, 12>::zeros();
-    padded.iter_mut().zip(unknowns(&exact)).for_each(|(to, from)| *to = from);
-    let mean = nees::<9>(RUNS, &Parameters(padded), |seed| {
-        let samples = Random::new(seed).tumble(300, &x, 100.0);
-        let found = twostep(samples.iter().map(|coupled| coupled.sample), DATA_SHEET).unwrap();
-        (Parameters(SVector::from(unknowns(&found))), found.covariance)
-    });
-    assert!(OF_NINE.contains(&mean), "{mean}");
-}
-
-#[test]
 fn the_shift_by_noise_is_removed() {
     const NOISE_NT: f64 = 1500.0;
     /// The shift is 0.6 % of a scale; 40,000 samples leave 0.02 % of scatter.
@@ -302,6 +279,79 @@ fn sums_that_fade_follow_a_sensor_that_changes() {
 }
 
 #[test]
+fn sums_choose_the_model_by_evidence_and_say_what_is_not_known_of_the_other() {
+    for (seed, unknowns) in (0..20).flat_map(|seed| [6, 9].map(|unknowns| (seed, unknowns))) {
+        let mut sums = Sums::new(DATA_SHEET, 35e3).unwrap();
+        for coupled in Random::new(200 + seed).tumble(200, &simpler(unknowns), 586.0) {
+            sums.add(coupled.sample).unwrap();
+        }
+        let (chosen, nine) = (sums.chosen().unwrap(), sums.calibration::<9>().unwrap());
+        assert_eq!(chosen.evidence.unknowns, unknowns as u32, "seed {seed}");
+        assert_eq!(chosen.parameters.cross_axis() == [0.0; 3], unknowns == 6);
+        assert_eq!(chosen.sigma(), nine.sigma());
+    }
+    // Nine unknowns are too many for fifteen readings.
+    let mut few = Sums::new(DATA_SHEET, 35e3).unwrap();
+    for coupled in Random::new(1).tumble(15, &simpler(6), 100.0) {
+        few.add(coupled.sample).unwrap();
+    }
+    let chosen = few.chosen().unwrap();
+    assert_eq!((chosen.evidence.unknowns, chosen.evidence.samples), (6, 15));
+    assert_eq!(chosen.sigma().cross_axis(), [0.0; 3]);
+    assert_eq!(few.calibration::<6>().unwrap().sigma().scale(), chosen.sigma().scale());
+}
+
+#[test]
+fn a_correction_gives_the_field_behind_the_driver_and_its_sigma_is_that_of_the_zero_field() {
+    let driver = DataSheet { sensitivity: 48e3, zero: 1.65 };
+    let mut sums = Sums::new(DATA_SHEET, 35e3).unwrap();
+    for coupled in Random::new(10).tumble(200, &simpler(9), 300.0) {
+        sums.add(coupled.sample).unwrap();
+    }
+    let found = sums.calibration::<9>().unwrap();
+    let (correction, sigma) = found.correction(driver);
+    let volts = [1.9, 1.2, 1.7];
+    let shown = volts.map(|volt| (volt - driver.zero) * driver.sensitivity);
+    let [xy, xz, yz] = correction.cross_axis;
+    let shear = nalgebra::Matrix3::new(1.0, xy, xz, xy, 1.0, yz, xz, yz, 1.0);
+    let scaled = Vector3::from(shown).component_mul(&Vector3::from(correction.scale));
+    let field = shear * scaled - Vector3::from(correction.bias);
+    let expected = Vector3::from(found.parameters.field(volts, &[]));
+    assert!((field - expected).norm() < NOISE_FREE_NT, "{field} {expected}");
+    // What the driver shows as no field is 1.65 V away from where the readings were.
+    assert!(sigma.bias[0] > 2.0 * found.sigma().bias()[0]);
+    let same = (sigma.scale[1] * driver.sensitivity / found.sigma().scale()[1] - 1.0).abs();
+    assert!(same < NOISE_FREE, "{same}");
+    let flown = adcs_core::calibration::Correction {
+        scale: correction.scale.map(|it| it as f32),
+        cross_axis: correction.cross_axis.map(|it| it as f32),
+        bias: [1e-6, 2e-6, 3e-6],
+    }
+    .applied_to(&adcs_core::sensing::TriadParameters {
+        alignment_xyzw: [1.0, 0.0, 0.0, 0.0],
+        ..Default::default()
+    });
+    assert_eq!((flown.bias[2], flown.alignment_xyzw[0]), (3e-6, 1.0));
+}
+
+#[test]
+fn the_covariance_of_sums_that_fade_is_the_scatter_of_their_estimates() {
+    const RUNS: u64 = 100;
+    /// Three standard errors of a mean of 100, and a covariance from some 200 readings of weight.
+    const OF_NINE: std::ops::Range<f64> = 7.7..11.0;
+    let mean = nees::<9>(RUNS, &truth(), |seed| {
+        let mut sums = Sums::new(DATA_SHEET, 35e3).unwrap();
+        for coupled in Random::new(seed).tumble(600, &simpler(9), 300.0) {
+            sums.fade(0.99);
+            sums.add(coupled.sample).unwrap();
+        }
+        let found = sums.calibration().unwrap();
+        (found.parameters, found.covariance)
+    });
+    assert!(OF_NINE.contains(&mean), "{mean}");
+}
+
+#[test]
 fn what_the_data_cannot_support_is_refused_with_the_reason() {
     let samples = Random::new(9).tumble(60, &truth(), 586.0);
     let coupled = |samples: Vec<CoupledSample<f64, 1>>| {
@@ -330,6 +380,8 @@ fn what_the_data_cannot_support_is_refused_with_the_reason() {
     flat.for_each(|sample| sums.add(sample).unwrap());
     let refused = sums.calibration::<9>().unwrap_err();
     assert!(matches!(refused, CalibrationError::PoorGeometry { .. }), "{refused}");
+    let untold = sums.with_noise(f64::NAN).unwrap_err();
+    assert!(matches!(untold, CalibrationError::Noise { .. }), "{untold}");
     let before = sums;
     let nan = Sample { reading: [0.0, f64::NAN, 0.0], intensity: 30e3 };
     assert_eq!(sums.add(nan), Err(CalibrationError::NotFinite { sample: 60 }));

@@ -56,7 +56,7 @@ proptest! {
         }
         match twostep(plain.clone(), sheet) {
             Ok(found) => {
-                prop_assert!(all_finite(found.bias.iter().chain(found.covariance.iter())));
+                prop_assert!(all_finite(found.parameters.0.iter().chain(found.covariance.iter())));
             }
             Err(reason) => prop_assert!(!reason.to_string().is_empty()),
         }

@@ -7,6 +7,7 @@ use adcs_core::modes::{
     Sensor, Sight, Transition,
 };
 use adcs_core::pipeline::{Law, RateFrom, Steering};
+use adcs_core::commissioning::Witnessed;
 use adcs_core::polarity::{ActiveCheck, Guard, GuardInputs, PolarityParameters, Undecided};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, Round, Schedule, ScheduleParameters};
@@ -41,13 +42,22 @@ fn machine(change: impl FnOnce(&mut ModeParameters)) -> Modes {
         acquire: despin.steering,
         experiment: Some(flown()),
         polarity: Some(polarity),
+        ladder: None,
     }
 }
 
 /// Devices from which nothing can be learned of their wiring.
-fn silent_devices(now: Utc, phase: Phase) -> GuardInputs {
+fn silent_devices(now: Utc, phase: Phase) -> Witnessed {
     let nothing = Reading::Missing(MissingReason::Bus);
-    GuardInputs { now, phase, omega_bi: nothing, field_b: nothing, carried: Vector::zero() }
+    let devices =
+        GuardInputs { now, phase, omega_bi: nothing, field_b: nothing, carried: Vector::zero() };
+    Witnessed {
+        devices,
+        reading: Reading::Missing(MissingReason::Bus),
+        reference_field: None,
+        reference_sun: None,
+        sun: None,
+    }
 }
 
 /// A mode machine in flight, beside a world that is as it is told.
@@ -81,7 +91,7 @@ impl Flight {
             filtered: true,
             dipole_sigma_am2: Some(0.005),
             pointing_error_rad: Some(2.0 * DEG),
-            devices: silent_devices(Utc::from_micros_since_2000(0), Phase::Settling),
+            witnessed: silent_devices(Utc::from_micros_since_2000(0), Phase::Settling),
         };
         Self {
             modes,
@@ -112,8 +122,8 @@ impl Flight {
         let phase = self.schedule.phase(self.cycle);
         let rests = matches!(phase, Phase::Settled | Phase::Measuring);
         let magnetometer_speaks = rests.then_some(self.magnetometer);
-        let devices = silent_devices(self.sight.now, phase);
-        let sight = Sight { phase, magnetometer_speaks, devices, ..self.sight };
+        let witnessed = silent_devices(self.sight.now, phase);
+        let sight = Sight { phase, magnetometer_speaks, witnessed, ..self.sight };
         let report = self.modes.cycle(&mut self.state, &sight);
         let at = self.seconds();
         self.transitions.extend(report.transition.map(|transition| (at, transition)));
@@ -490,7 +500,7 @@ proptest! {
                 filtered,
                 dipole_sigma_am2: error,
                 pointing_error_rad: error,
-                devices: silent_devices(now, Phase::Measuring),
+                witnessed: silent_devices(now, Phase::Measuring),
             });
             prop_assert_eq!(report.transition.map_or(report.mode, |it| it.to), report.mode);
             // A mode that a command has just entered sees the silence in the next cycle.

@@ -6,6 +6,7 @@
 //! | [`clock`] | 168 MHz, or 16 MHz when the crystal is dead |
 //! | [`torquers`] | switching the torquers off at register level |
 //! | [`epitaph`] | what a dying image leaves for the next |
+//! | [`notebook`] | what commissioning found, kept over a reset |
 //! | [`spi`] | the converter's bus, with bounded waits |
 //! | [`parameters`] | what the satellite flies with until the ground says otherwise |
 //!
@@ -17,6 +18,7 @@
 
 pub mod clock;
 pub mod epitaph;
+pub mod notebook;
 pub mod parameters;
 pub mod pins;
 pub mod spi;

@@ -1,12 +1,16 @@
-//! The two pieces of RAM that the linker script sets aside: the epitaph's and the stack.
+//! The pieces of RAM that the linker script sets aside: those that outlive a reset, and the stack.
 
 use core::ptr;
 
+use adcs_core::commissioning::Findings;
+
 use crate::epitaph::{Epitaph, REGION_BYTES};
+use crate::notebook;
 
 // Addresses set in `memory.x`. Only the addresses mean something, nothing lives in the symbols.
 unsafe extern "C" {
     static mut _epitaph_start: [u8; REGION_BYTES];
+    static mut _notebook_start: [u8; notebook::REGION_BYTES];
     static _stack_start: u32;
     static _stack_end: u32;
 }
@@ -37,6 +41,23 @@ pub fn take_epitaph() -> Option<Epitaph> {
     reported.reported = true;
     write_epitaph(&reported);
     Some(epitaph)
+}
+
+/// What commissioning had found before a reset.
+#[must_use]
+pub fn read_findings() -> Option<Findings> {
+    // SAFETY: `memory.x` reserves REGION_BYTES readable bytes at this symbol, any bit pattern is
+    // a valid [u8], and volatile keeps the compiler from assuming they are still as it knew them.
+    let region = unsafe { ptr::read_volatile(&raw const _notebook_start) };
+    notebook::decode(&region)
+}
+
+/// Writes what commissioning found where the next image finds it.
+pub fn write_findings(findings: &Findings) {
+    let Some(region) = notebook::encode(findings) else { return };
+    // SAFETY: `memory.x` reserves REGION_BYTES writable bytes at this symbol, which nothing else
+    // uses; there is one core, and one user. A reset in the middle leaves a CRC that is wrong.
+    unsafe { ptr::write_volatile(&raw mut _notebook_start, region) };
 }
 
 /// Bytes of stack this image has, and the most it has used since boot.

@@ -7,7 +7,7 @@ use cortex_m::{asm::wfi, singleton};
 
 use crate::{
     boot::Boot,
-    parameters, peripherals,
+    memory, parameters, peripherals,
     ticks::{self, SincePowerOn},
     watchdog,
 };
@@ -34,6 +34,9 @@ pub fn fly(mut boot: Boot) -> ! {
     let Ok(mut app) = FlightApp::new(board, &parameters, state) else {
         panic!("the built-in parameters are refused")
     };
+    if let Some(findings) = memory::read_findings() {
+        app.resume(findings);
+    }
     watchdog::start(&boot.chip.IWDG);
 
     let period_ms = parameters.cycle_us / 1_000;
@@ -44,7 +47,11 @@ pub fn fly(mut boot: Boot) -> ! {
             wfi();
         }
         due_ms = due_ms.wrapping_add(period_ms);
-        app.cycle();
+        let record = app.cycle();
+        let noted = record.commissioning.is_some_and(|report| report.ended.is_some());
+        if noted || record.committed {
+            memory::write_findings(app.findings());
+        }
         watchdog::feed(&boot.chip.IWDG);
         if cycle.is_multiple_of(CYCLES_PER_REPORT) {
             defmt::info!("cycle {}: {}", cycle, app.health());

@@ -391,3 +391,29 @@ fn an_axis_the_other_way_round_is_found_and_put_right_and_the_despin_works() {
     assert_eq!(output.status.code(), Some(2));
     assert!(errors_of(&output).contains("needs the columns t_s and gyro_x_deg_s"));
 }
+
+#[test]
+fn exchanged_axes_are_found_and_put_right_and_the_despin_works() {
+    // What the axes show of Body's field; the flight software takes each for its own.
+    for (name, shown, wiring) in [
+        ("exchanged", "[[0, 1, 0], [0, 0, 1], [1, 0, 0]]", "+z +x +y"),
+        ("mirrored", "[[0, 1.2, 0], [-0.9, 0, 0], [0, 0, -1]]", "-y +x -z"),
+    ] {
+        let folder = folder(&format!("calibrate-{name}"));
+        let wrong = format!(
+            "[magnetometer.errors]\nnoise_nt = 586\nbias_nt = [3000, -4000, 2000]\nmatrix = {shown}\n"
+        );
+        let before = fly(&folder, "before", &wrong);
+        let (rate_before, ..) = flown(&before);
+        let toml = folder.join("section");
+        let (history, section) = (before.to_str().unwrap(), toml.to_str().unwrap());
+        let output = calibrate(&[history, "--apply-signs", "--toml", section], "");
+        assert_eq!(output.status.code(), Some(0), "{}", errors_of(&output));
+        assert_eq!(json(&output)["axes"]["axes"], wiring);
+        let section = fs::read_to_string(toml).unwrap();
+        assert!(section.contains("alignment_xyzw = "), "{section}");
+        let (rate_after, ..) = flown(&fly(&folder, "after", &format!("{wrong}\n{section}")));
+        println!("{name}: deg/s at the end {rate_before} before, {rate_after} after");
+        assert!(rate_before > 1.5 * rate_after && rate_after < 0.5 * 9.11, "{rate_after}");
+    }
+}

@@ -13,8 +13,8 @@ use crate::digest::Digest;
 use crate::message::Message;
 
 /// No frame is longer than this, bytes. That of the longest message, a cycle with every field
-/// present, has 403 with its CRC, what COBS adds, and the zero.
-pub const MAX_FRAME: usize = 416;
+/// present and a rung of the commissioning ladder that ended, has 491 with its CRC, what COBS adds, and the zero.
+pub const MAX_FRAME: usize = 512;
 
 /// CRC-32 of the frames, as in Ethernet.
 static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
@@ -92,6 +92,9 @@ mod tests {
     };
     use adcs_core::attitude::mekf::Lost;
     use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
+    use adcs_core::commissioning::{
+        Ended, Finding, LadderReport, MagnetometerFound, Outcome, Rung, Shortfall, Three,
+    };
     use adcs_core::modes::{Cause, Mode, ModeReport, Transition};
     use adcs_core::pipeline::ControlStatus;
     use adcs_core::polarity::{SignedPermutation, Suspect};
@@ -102,8 +105,10 @@ mod tests {
     use adcs_core::time::Utc;
     use proptest::prelude::*;
 
+    const THREE: Three = Three { value: [f32::MAX; 3], sigma: [f32::MAX; 3] };
+
     /// That of the doc comment of [`MAX_FRAME`].
-    const LONGEST_FRAME: usize = 403;
+    const LONGEST_FRAME: usize = 491;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -152,6 +157,22 @@ mod tests {
                 refused: Some(Mode::Experiment),
                 retries: u8::MAX,
             }),
+            commissioning: Some(LadderReport {
+                rung: Some(Rung::Inertia),
+                ended: Some(Ended {
+                    rung: Rung::Magnetometer,
+                    outcome: Outcome::Failed(Shortfall::Miswired(Suspect::Torquers(
+                        SignedPermutation::REVERSED,
+                    ))),
+                    finding: Some(Finding::Magnetometer(MagnetometerFound {
+                        scale: THREE,
+                        cross_axis: THREE,
+                        bias_t: THREE,
+                        norm_error_t: f32::MAX,
+                    })),
+                }),
+            }),
+            committed: true,
             pointing_error_rad: Some(f32::MAX),
             control: ControlStatus::NoField(MissingReason::TorquersOn),
             commanded_am2: [f32::MAX; 3],

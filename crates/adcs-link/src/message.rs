@@ -2,6 +2,7 @@
 //! name or in the field's doc line.
 
 use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
+use adcs_core::commissioning::LadderReport;
 use adcs_core::modes::ModeReport;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::Reading;
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. A reader refuses any other: postcard carries no field names, so
 /// bytes of another version would decode into nonsense.
-pub const VERSION: u16 = 4;
+pub const VERSION: u16 = 5;
 
 /// One message.
 // The large variant is the one that is sent, every cycle; nothing ever holds many.
@@ -76,6 +77,11 @@ pub struct CycleRecord {
     pub determination: Option<DeterminationRecord>,
     /// The mode, and how it was entered; `None` when one law flies from start to end.
     pub mode: Option<ModeReport>,
+    /// The rung of the commissioning ladder, and what one that ended has found; `None` when it is not
+    /// being climbed.
+    pub commissioning: Option<LadderReport>,
+    /// Since the last cycle, what commissioning found has been put in force.
+    pub committed: bool,
     /// What stage III made of it.
     pub control: ControlStatus,
     /// Angle from Body to the target, rad, as believed when the round was decided; `None` in a rest, and

@@ -15,7 +15,7 @@ use adcs_link::message::{self, End, Hello, Message};
 use crate::devices::{Bench, BenchConfig, Faults};
 use crate::exact_board::ExactBoard;
 use crate::rigid_body::InertiaError;
-use crate::scenario::{self, Readings, Scenario};
+use crate::scenario::{self, Order, Readings, Scenario};
 use crate::world::World;
 
 /// Why a scenario cannot be flown, or not to its end.
@@ -170,7 +170,11 @@ pub fn fly_board<B: Board, E>(
         app.witness(&truth);
         sink(&Message::Truth(truth)).map_err(Stopped::Sink)?;
         for command in scenario.commands.iter().flatten().filter(|it| it.cycle == cycle) {
-            app.command(command.enter);
+            match command.order {
+                Order::Enter(mode) => app.command(mode),
+                // A refusal is counted in the health.
+                Order::Commit => drop(app.commit()),
+            }
         }
         let record = app.cycle();
         sink(&Message::Cycle(record)).map_err(Stopped::Sink)?;

@@ -101,6 +101,11 @@ impl Inertia {
         Ok(Self { tensor, inverse })
     }
 
+    /// The tensor, kg·m².
+    pub fn matrix(&self) -> Matrix3<f64> {
+        self.tensor
+    }
+
     /// J v.
     pub fn times(&self, v: Vector<Body, f64>) -> Vector<Body, f64> {
         Vector::from_xyz(self.tensor * v.xyz)

@@ -15,7 +15,7 @@ use crate::devices::SpiFault;
 
 /// Version of this data and of the link messages that come back; both sides of an emulated flight
 /// check it.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 
 /// As many commands can be given in a flight.
 pub const COMMANDS: usize = 8;
@@ -46,8 +46,17 @@ pub struct Scenario {
 pub struct TimedCommand {
     /// The cycle that follows it.
     pub cycle: u32,
-    /// The mode that is asked for.
-    pub enter: Mode,
+    /// What is asked for.
+    pub order: Order,
+}
+
+/// What the ground can ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Order {
+    /// A mode.
+    Enter(Mode),
+    /// That what commissioning found flies.
+    Commit,
 }
 
 /// How readings and commands cross the border of the board.

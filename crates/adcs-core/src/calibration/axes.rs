@@ -30,6 +30,7 @@ use nalgebra::{ComplexField, Matrix3, RealField, Rotation3, SMatrix, SVector, Ve
 
 use super::symmetric::Spectrum;
 use super::{number, shown};
+use crate::frames::SignedPermutation;
 
 /// P and −P are one for the gyros.
 const PAIRS: usize = 24;
@@ -48,72 +49,6 @@ pub const RESPONSE: core::ops::RangeInclusive<f64> = 0.4..=2.5;
 /// A field that was turned on for longer is too old to be compared, s: the field turns by 0.1 deg/s
 /// along the orbit, and gyros drift.
 const MAX_AGE_S: f64 = 60.0;
-
-/// Which axis of a sensor is which axis of Body, and which way round.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SignedPermutation {
-    /// Body axis x, y, z is this axis of the sensor, 0 to 2; all different.
-    axis: [u8; 3],
-    /// And whether it is the other way round.
-    reversed: [bool; 3],
-}
-
-impl SignedPermutation {
-    /// As it says on the drawing.
-    pub const IDENTITY: Self = Self { axis: [0, 1, 2], reversed: [false; 3] };
-
-    /// All 48.
-    pub fn all() -> impl Iterator<Item = Self> {
-        const ORDERS: [[u8; 3]; 6] =
-            [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
-        (0..8_u8).flat_map(|bits| {
-            let reversed = [bits & 4 != 0, bits & 2 != 0, bits & 1 != 0];
-            ORDERS.into_iter().map(move |axis| Self { axis, reversed })
-        })
-    }
-
-    /// Along Body's axes what is given along the sensor's.
-    pub fn apply<T: RealField + Copy>(&self, [x, y, z]: [T; 3]) -> [T; 3] {
-        let mut turned = [T::zero(); 3];
-        for ((turned, axis), reversed) in turned.iter_mut().zip(self.axis).zip(self.reversed) {
-            let value = match axis {
-                0 => x,
-                1 => y,
-                _ => z,
-            };
-            *turned = if reversed { -value } else { value };
-        }
-        turned
-    }
-
-    /// Which axes are the other way round, where each is at its own place; `None` when some are exchanged.
-    pub fn reversed_in_place(&self) -> Option<[bool; 3]> {
-        (self.axis == Self::IDENTITY.axis).then_some(self.reversed)
-    }
-
-    /// −P.
-    #[must_use]
-    pub fn opposite(&self) -> Self {
-        Self { reversed: self.reversed.map(|reversed| !reversed), ..*self }
-    }
-}
-
-/// `+x -z +y`: the sensor's axes along Body's x, y and z.
-impl fmt::Display for SignedPermutation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, (axis, reversed)) in self.axis.iter().zip(self.reversed).enumerate() {
-            let space = if index == 0 { "" } else { " " };
-            let sign = if reversed { '-' } else { '+' };
-            let name = match axis {
-                0 => 'x',
-                1 => 'y',
-                _ => 'z',
-            };
-            write!(f, "{space}{sign}{name}")?;
-        }
-        Ok(())
-    }
-}
 
 /// What was recorded at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -235,8 +170,9 @@ impl<T: RealField + Copy> AxesCheck<T> {
             normal: SMatrix::zeros(),
             gradient: SVector::zeros(),
         }; PAIRS];
-        // The first half has x the right way round.
-        for (hypothesis, permutation) in hypotheses.iter_mut().zip(SignedPermutation::all()) {
+        // Of P and −P one is a rotation.
+        let rotations = SignedPermutation::all().filter(|it| it.is_rotation());
+        for (hypothesis, permutation) in hypotheses.iter_mut().zip(rotations) {
             hypothesis.permutation = permutation;
         }
         Self {
@@ -293,7 +229,7 @@ impl<T: RealField + Copy> AxesCheck<T> {
             }
             hypothesis.field = hypothesis.field.filter(|_| !too_old).map(|field| turn * field);
             if let Some(reading) = reading {
-                let reading = Vector3::from(hypothesis.permutation.apply(reading));
+                let reading = hypothesis.permutation.apply(Vector3::from(reading));
                 if let Some(expected) = hypothesis.field {
                     hypothesis.missed += (reading - expected).norm_squared();
                 }
@@ -364,7 +300,7 @@ impl<T: RealField + Copy> AxesCheck<T> {
         }
         let permutation = match response > T::zero() {
             true => best.permutation,
-            false => best.permutation.opposite(),
+            false => best.permutation.negated(),
         };
         Ok(Axes { permutation, gyro_ratio, response: size, response_sigma })
     }
@@ -384,27 +320,7 @@ fn ratio<T: RealField + Copy>(a: T, b: T) -> T {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-    use std::collections::HashSet;
-    use std::string::ToString as _;
-
     use super::*;
-
-    #[test]
-    fn there_are_48_and_the_first_24_are_no_opposites_of_each_other() {
-        let names: HashSet<_> = SignedPermutation::all().map(|it| it.to_string()).collect();
-        assert_eq!(names.len(), 48);
-        assert!(names.contains("-z +x -y"));
-        let pairs: std::vec::Vec<_> = SignedPermutation::all().take(PAIRS).collect();
-        for pair in &pairs {
-            assert!(!pairs.contains(&pair.opposite()), "{pair}");
-        }
-        assert_eq!(pairs[0], SignedPermutation::IDENTITY);
-        let in_place: std::vec::Vec<_> =
-            SignedPermutation::all().filter_map(|it| it.reversed_in_place()).collect();
-        assert_eq!(in_place.len(), 8);
-        assert!(in_place.contains(&[true, false, true]));
-    }
 
     #[test]
     fn a_body_at_rest_names_nothing() {

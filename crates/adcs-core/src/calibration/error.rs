@@ -102,6 +102,11 @@ pub enum CalibrationError {
         /// What was given.
         found: f32,
     },
+    /// The noise that was told is not finite, or negative.
+    Noise {
+        /// What was given.
+        found: f32,
+    },
     /// The readings are on no ellipsoid: the linear start has a squared scale that is not positive.
     NoEllipsoid {
         /// Axis 0, 1 or 2.
@@ -155,6 +160,9 @@ impl fmt::Display for CalibrationError {
                 write!(f, "the sensitivity {found} must be finite and positive")
             }
             Self::Zero { found } => write!(f, "the zero {found} must be finite"),
+            Self::Noise { found } => {
+                write!(f, "the noise {found} must be finite and not negative")
+            }
             Self::NoEllipsoid { axis } => write!(
                 f,
                 "the readings are on no ellipsoid (the linear start has no scale for axis {axis}): \

@@ -42,7 +42,9 @@ mod evidence;
 mod extended;
 mod gauss_newton;
 mod linear;
+mod moments;
 mod parameters;
+mod quadratic;
 mod sums;
 mod symmetric;
 mod twostep;
@@ -54,10 +56,10 @@ pub use error::{CalibrationError, Unknown};
 pub use evidence::{Evidence, VERY_STRONG};
 pub use extended::{CoupledSample, Extended, NoiseShift, calibrate_extended};
 pub use gauss_newton::{MAX_CONDITION, MIN_SAMPLES, calibrate};
-pub use parameters::Parameters;
+pub use parameters::{Correction, Parameters};
 pub use sums::{Recursive, Sums};
 pub(crate) use symmetric::Spectrum;
-pub use twostep::{TwoStep, twostep};
+pub use twostep::twostep;
 
 /// The unknowns: scale of x, y, z, then bias of x, y, z.
 pub const UNKNOWNS: usize = 6;

@@ -17,11 +17,55 @@
 
 use nalgebra::{Matrix3, RealField, SMatrix, SVector, Vector3};
 
+use super::DataSheet;
+use crate::frames::{Body, MagnetometerAxes, Rotation, SignedPermutation};
+use crate::sensing::TriadParameters;
+
 /// Scale, bias, cross-axis terms and couplings, in this order: N = 6, or 9 and three for each current.
 ///
 /// The units are those of the samples: field per reading, field, none, field per current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<T: RealField + Copy, const N: usize>(pub SVector<T, N>);
+
+/// A calibration as [`TriadParameters`] have it: C (s ∘ x) − b of what the driver shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction<T> {
+    /// s, no unit.
+    pub scale: [T; 3],
+    /// c_xy, c_xz, c_yz.
+    pub cross_axis: [T; 3],
+    /// b, *subtracted*; field.
+    pub bias: [T; 3],
+}
+
+impl<T: RealField + Copy> Correction<T> {
+    /// The same for a sensor whose axes were found to be `axes` of Body's: signs of single axes go into
+    /// scale, cross-axis terms and bias; what remains is the rotation from the sensor's axes to Body.
+    ///
+    /// P (C (s ∘ x) − b) = R (D C D (D s ∘ x) − D b), P = R D, D diagonal of ones and minus ones.
+    pub fn along(self, axes: SignedPermutation) -> (Self, Rotation<Body, MagnetometerAxes, T>) {
+        let (rotation, signs) = axes.rotation_and_signs();
+        let [x, y, z] = signs;
+        let signed = |[a, b, c]: [T; 3], [p, q, r]: [i8; 3]| {
+            let signed = |value: T, sign: i8| if sign < 0 { -value } else { value };
+            [signed(a, p), signed(b, q), signed(c, r)]
+        };
+        let turned = Self {
+            scale: signed(self.scale, signs),
+            cross_axis: signed(self.cross_axis, [x * y, x * z, y * z]),
+            bias: signed(self.bias, signs),
+        };
+        (turned, rotation.turn())
+    }
+}
+
+impl Correction<f32> {
+    /// The parameters with this in place of what they had; the alignment stays.
+    pub fn applied_to(self, parameters: &TriadParameters) -> TriadParameters {
+        let Self { scale, cross_axis, bias } = self;
+        TriadParameters { scale, cross_axis, bias, ..*parameters }
+    }
+}
 
 impl<T: RealField + Copy, const N: usize> Parameters<T, N> {
     /// The three unknowns from this one on; zeros behind the last.
@@ -62,6 +106,19 @@ impl<T: RealField + Copy, const N: usize> Parameters<T, N> {
     /// M = C diag(s): field per reading.
     pub fn matrix(&self) -> Matrix3<T> {
         self.shear() * Matrix3::from_diagonal(&Vector3::from(self.scale()))
+    }
+
+    /// What the flight software takes behind a driver that turns readings into field by this data sheet.
+    ///
+    /// The driver gives x = k (V − V₀), the flight software makes C (s′ ∘ x) − b′ of it. So
+    /// s′ = s / k, b′ = −(b + C (s V₀)).
+    pub fn correction(&self, driver: DataSheet<T>) -> Correction<T> {
+        let at_zero = self.matrix() * Vector3::repeat(driver.zero) + Vector3::from(self.bias());
+        Correction {
+            scale: self.scale().map(|scale| scale / driver.sensitivity),
+            cross_axis: self.cross_axis(),
+            bias: (-at_zero).into(),
+        }
     }
 
     /// The calibrated field.
@@ -121,10 +178,38 @@ impl<T: RealField + Copy, const N: usize> Parameters<T, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reading::Reading;
+    use crate::sensing::Triad;
     use proptest::prelude::*;
 
     /// Of central differences with steps of 1e-5 of functions that are quadratic at most.
     const DIFFERENCES: f64 = 1e-9;
+
+    #[test]
+    fn any_of_the_48_wirings_is_put_right_by_what_the_flight_software_takes() {
+        /// T, of fields of 5e-5 T in single precision.
+        const ROUNDING: f32 = 2e-11;
+        let correction = Correction {
+            scale: [0.9_f32, 1.2, 1.1],
+            cross_axis: [0.03, -0.02, 0.05],
+            bias: [3e-6, -5e-6, 1e-5],
+        };
+        let (shown, as_drawn) = ([2e-5, -3e-5, 1e-5], TriadParameters::default());
+        let field = |parameters: &TriadParameters| {
+            let triad: Triad<MagnetometerAxes> = Triad::new(parameters).unwrap();
+            triad.to_body(shown.map(Reading::Fresh)).value().unwrap().xyz
+        };
+        let along_axes = field(&correction.applied_to(&as_drawn));
+        for axes in SignedPermutation::all() {
+            let (turned, alignment) = correction.along(axes);
+            let parameters = TriadParameters {
+                alignment_xyzw: alignment.attitude_quaternion(),
+                ..turned.applied_to(&as_drawn)
+            };
+            let error = field(&parameters) - axes.apply(along_axes);
+            assert!(error.norm() < ROUNDING, "{axes:?}: {error}");
+        }
+    }
 
     proptest! {
         #[test]

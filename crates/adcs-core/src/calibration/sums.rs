@@ -1,42 +1,67 @@
-//! Calibration without keeping a single reading: 66 sums are all that its optimum depends on.
+//! Calibration without keeping a single reading.
 //!
-//! |B|² = m(V)ᵀ θ(x), m = (V_x², V_y², V_z², V_xV_y, V_xV_z, V_yV_z, V_x, V_y, V_z, 1)
+//! |B|² = m(V)ᵀ θ(x), m = (1, x, y, z, x², xy, xz, y², yz, z²) of V
 //!
 //! so that with the weight w = 1 / 4I², which makes the residuals scatter alike (they are then the
 //! errors of the norm, but for their squares),
 //!
-//! Σ w (|B|² − I²)² = θᵀ A θ − 2 θᵀ u + v,  A = Σ w m mᵀ, u = Σ w I² m, v = Σ w I⁴
+//! Q(x) = Σ w (|B|² − I²)² = θᵀ A θ − 2 θᵀ u + v,  A = Σ w m mᵀ, u = Σ w I² m, v = Σ w I⁴
 //!
-//! for *any* x. A reading costs 66 multiplications when it comes and is then forgotten; Gauss–Newton runs
-//! over the sums, at any time, for scale and bias alone (N = 6) or with cross-axis terms (N = 9). With a
-//! factor below one the past fades, and the calibration follows a sensor that changes.
+//! for *any* x. A consists of 35 different sums, as m mᵀ of monomials up to the fourth degree; u of ten. A
+//! reading is forgotten when it has been added; Gauss–Newton runs over the sums, at any time,
+//! for scale and bias alone (N = 6) or with cross-axis terms (N = 9). With a factor below one the past
+//! fades, and the calibration follows a sensor that changes.
 //!
-//! The cost is a small difference of large numbers: 1e-3 of them for a noise of 600 nT. In f32 it takes
-//! away some digits of sigma, and none from the result that sigma would not cover.
+//! **Without the shift by noise.** Noise makes the minimum of Q a wrong one: equal scales, seen from all
+//! directions, come out too small by 3.5 σ² Σ w I² / Σ w I⁴. With A and u free of noise on average (`moments`),
+//!
+//! Q_σ = θᵀ A_σ θ − 2 θᵀ u_σ + v
+//!
+//! has the mean of a Q without noise, whatever x is, and so its least value at the truth. σ is told, or
+//! follows from what is left: Q (x) n / (n − N) = Q (x) − Q_σ (x).
+//!
+//! **Covariance.** r = |B|² − I² has the variance 4 σ² |Mᵀβ|², β = B(V): an axis of twice the scale is
+//! twice as noisy. With j = ∂r/∂x
+//!
+//! P = (Σ w j jᵀ)⁻¹ (Σ w² 4 σ² |Mᵀβ|² j jᵀ) (Σ w j jᵀ)⁻¹,
+//!
+//! whose middle is of the sixth degree: 84 sums more.
+//!
+//! The cost is a small difference of large numbers: 3e-5 of them for a noise of 100 nT. In f32 that still
+//! tells the noise to some percent, and the result to a fifth of sigma.
 
-use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, SVector, Vector3};
+use nalgebra::{ComplexField, RealField, SMatrix, SVector, convert_unchecked};
 
 use super::descent::{MAX_PASSES, Pass, Problem, descend};
 use super::error::CalibrationError;
+use super::evidence::Evidence;
 use super::extended::from_zero;
 use super::gauss_newton::{answering, supported};
-use super::parameters::Parameters;
+use super::moments::{OF_FOUR, OF_SIX, OF_TWO, monomials, squares, times};
+use super::parameters::{Correction, Parameters};
+use super::quadratic::{ByNoise, Quadratic, monomial_slopes, noise_gain};
 use super::symmetric::Spectrum;
+use super::twostep::first_step;
 use super::{DataSheet, Sample, number, shown};
 
-/// How many monomials there are.
-const MONOMIALS: usize = 10;
-/// How uncertain the cost is, in roundings of v for each sample.
-const COST_ROUNDINGS: f64 = 10.0;
+/// Steps of the correction for noise. Each leaves a part of some σ²/I² of the error: four are plenty.
+const NOISE_STEPS: u32 = 6;
 
 /// The sums so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sums<T: RealField + Copy> {
     data_sheet: DataSheet<T>,
     unit: T,
-    a: SMatrix<T, MONOMIALS, MONOMIALS>,
-    u: SVector<T, MONOMIALS>,
+    /// What the noise was told to be, in `unit`.
+    noise: Option<T>,
+    /// Σ w m mᵀ.
+    fourth: SVector<T, OF_FOUR>,
+    /// Σ w I² m.
+    second: SVector<T, OF_TWO>,
+    /// Σ w I⁴.
     v: T,
+    /// Σ w² of the monomials up to the sixth degree.
+    sixth: SVector<T, OF_SIX>,
     /// Samples, faded ones as fractions.
     weight: T,
     samples: u32,
@@ -47,18 +72,53 @@ pub struct Sums<T: RealField + Copy> {
 pub struct Recursive<T: RealField + Copy, const N: usize> {
     /// The result.
     pub parameters: Parameters<T, N>,
-    /// Its covariance, from the residuals.
+    /// Its covariance, from the residuals; of noise that is new in every sample, and of nothing else.
     pub covariance: SMatrix<T, N, N>,
-    /// Root mean square of (|B|² − |B_IGRF|²) / 2 |B_IGRF|.
+    /// Root mean square of (|B|² − |B_IGRF|²) / 2 |B_IGRF|: the error of the norm, but for its square.
     pub norm_error_rms: T,
+    /// Noise of an axis of the sensor that would leave these residuals, in units of a reading.
+    pub noise: T,
     /// Condition of JᵀJ with its columns scaled to equal length.
     pub condition: T,
+    /// What the fit left, for the comparison with others; readings that faded count in part.
+    pub evidence: Evidence,
 }
 
 impl<T: RealField + Copy, const N: usize> Recursive<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> Parameters<T, N> {
         Parameters(self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+    }
+
+    /// What the flight software takes behind a driver that turns readings into field by this data sheet,
+    /// and the standard deviations of that.
+    pub fn correction(&self, driver: DataSheet<T>) -> (Correction<T>, Correction<T>) {
+        let (_, transform) = from_zero(&self.parameters, -driver.zero);
+        let covariance = transform * self.covariance * transform.transpose();
+        let sigma = Recursive { covariance, ..*self }.sigma();
+        let sigma = Correction {
+            scale: sigma.scale().map(|scale| scale / driver.sensitivity),
+            cross_axis: sigma.cross_axis(),
+            bias: sigma.bias(),
+        };
+        (self.parameters.correction(driver), sigma)
+    }
+
+    /// With more unknowns, of zero.
+    fn widened<const M: usize>(&self) -> Recursive<T, M> {
+        let Self { norm_error_rms, noise, condition, evidence, .. } = *self;
+        let parameters =
+            SVector::from_fn(|i, _| self.parameters.0.get(i).copied().unwrap_or(T::zero()));
+        let covariance =
+            SMatrix::from_fn(|i, j| self.covariance.get((i, j)).copied().unwrap_or(T::zero()));
+        Recursive {
+            parameters: Parameters(parameters),
+            covariance,
+            norm_error_rms,
+            noise,
+            condition,
+            evidence,
+        }
     }
 }
 
@@ -82,12 +142,30 @@ impl<T: RealField + Copy> Sums<T> {
         Ok(Self {
             data_sheet,
             unit: strength,
-            a: SMatrix::zeros(),
-            u: SVector::zeros(),
+            noise: None,
+            fourth: SVector::zeros(),
+            second: SVector::zeros(),
             v: T::zero(),
+            sixth: SVector::zeros(),
             weight: T::zero(),
             samples: 0,
         })
+    }
+
+    /// The same with the noise of an axis told, in units of a reading, as far as the shift by it is
+    /// concerned. Otherwise it is that which the residuals show; to take for noise what is none, a
+    /// current nearby for instance, would shift the result.
+    ///
+    /// The covariance is that of the residuals in any case.
+    ///
+    /// # Errors
+    /// [`CalibrationError::Noise`] when it is not finite and positive, or zero.
+    pub fn with_noise(self, noise: T) -> Result<Self, CalibrationError> {
+        let usable = noise.is_finite() && noise >= T::zero();
+        if !usable {
+            return Err(CalibrationError::Noise { found: shown(noise) });
+        }
+        Ok(Self { noise: Some(noise * self.data_sheet.sensitivity / self.unit), ..self })
     }
 
     /// How many readings went in.
@@ -111,16 +189,16 @@ impl<T: RealField + Copy> Sums<T> {
             return Err(CalibrationError::Intensity { sample, found: shown(intensity) });
         }
         let DataSheet { sensitivity, zero } = self.data_sheet;
-        let [x, y, z] = reading.map(|value| (value - zero) * sensitivity / self.unit);
+        let reading = reading.map(|value| (value - zero) * sensitivity / self.unit);
         let strength = intensity / self.unit;
         let squared = strength * strength;
-        let half_root = T::one() / (strength * number(2.0));
-        let m = SVector::from([x * x, y * y, z * z, x * y, x * z, y * z, x, y, z, T::one()])
-            * half_root;
+        let quarter = number::<T>(0.25);
+        let w = quarter / squared;
         let next = Self {
-            a: self.a + m * m.transpose(),
-            u: self.u + m * (squared * half_root),
-            v: self.v + squared * number(0.25),
+            fourth: self.fourth + monomials(reading) * w,
+            second: self.second + monomials(reading) * quarter,
+            v: self.v + squared * quarter,
+            sixth: self.sixth + monomials(reading) * (w * w),
             weight: self.weight + T::one(),
             samples: self.samples.saturating_add(1),
             ..*self
@@ -133,16 +211,18 @@ impl<T: RealField + Copy> Sums<T> {
     }
 
     fn is_finite(&self) -> bool {
-        self.a.iter().chain(self.u.iter()).chain([&self.v]).all(ComplexField::is_finite)
+        let sums = self.fourth.iter().chain(self.second.iter()).chain(self.sixth.iter());
+        sums.chain([&self.v]).all(ComplexField::is_finite)
     }
 
     /// Lets the past fade: it counts for `factor` (0 to 1) of what it did.
     pub fn fade(&mut self, factor: T) {
         let usable = factor >= T::zero() && factor <= T::one();
         if usable {
-            self.a *= factor;
-            self.u *= factor;
+            self.fourth *= factor;
+            self.second *= factor;
             self.v *= factor;
+            self.sixth *= factor * factor;
             self.weight *= factor;
         }
     }
@@ -158,31 +238,99 @@ impl<T: RealField + Copy> Sums<T> {
         if !enough {
             return Err(CalibrationError::TooFew { found: self.samples, needed });
         }
-        let start = SVector::<T, N>::from_fn(|i, _| if i < 3 { T::one() } else { T::zero() });
-        let found = descend(self, start)?;
+        let quadratic = Quadratic::of(&self.fourth, &self.second, self.v);
+        let mut found = first_step(&quadratic).and_then(|start| descend(&quadratic, start));
+        if !found.as_ref().is_ok_and(|found| found.converged) {
+            let data_sheet = |i, _| if i < 3 { T::one() } else { T::zero() };
+            found = descend(&quadratic, SVector::<T, N>::from_fn(data_sheet));
+        }
+        let found = found?;
         supported(&found.pass.normal)?;
         if !found.converged {
             return Err(CalibrationError::NotConverged { passes: MAX_PASSES });
         }
-        let x = Parameters(found.x).with_positive_scales();
-        let pass = self.pass(&x.0);
+        let mut x = Parameters(found.x).with_positive_scales();
+        // The minimum is near: its derivatives do for all steps.
+        let spectrum = Spectrum::of(&quadratic.pass(&x.0).normal);
+        let by_noise = ByNoise::of(&self.fourth, &self.second);
+        let mut variance = T::zero();
+        for _ in 0..NOISE_STEPS {
+            let pass = quadratic.pass(&x.0);
+            variance = match self.noise {
+                Some(noise) => noise * noise,
+                None => self.variance(pass.cost, &by_noise, &x, variance),
+            };
+            let gradient = pass.gradient - by_noise.gradient(&x, variance);
+            x = Parameters(x.0 + spectrum.step(&gradient, T::zero()));
+        }
+        let pass = quadratic.pass(&x.0);
+        let variance = self.variance(pass.cost, &by_noise, &x, variance);
+        self.finished(&pass, &x, variance)
+    }
+
+    /// Scale and bias, and cross-axis terms where the readings ask for them.
+    ///
+    /// The smaller model is kept unless the evidence against it is [very strong](super::VERY_STRONG); the
+    /// cross-axis terms are zero then. How far they may be from it the larger model knows: the covariance is
+    /// its, unless it could not be found. `evidence.unknowns` says which model it is.
+    ///
+    /// # Errors
+    /// [`CalibrationError`]: why there is none with six unknowns, and none with nine.
+    pub fn chosen(&self) -> Result<Recursive<T, 9>, CalibrationError> {
+        match (self.calibration::<6>(), self.calibration::<9>()) {
+            (Ok(six), Ok(nine)) if nine.evidence.beats(&six.evidence) => Ok(nine),
+            (Ok(six), Ok(nine)) => Ok(Recursive { covariance: nine.covariance, ..six.widened() }),
+            (Ok(six), Err(_)) => Ok(six.widened()),
+            (Err(_), Ok(nine)) => Ok(nine),
+            (Err(error), Err(_)) => Err(error),
+        }
+    }
+
+    /// σ² that leaves this cost: Q n / (n − N) = σ² q₁ − σ⁴ q₂.
+    fn variance<const N: usize>(
+        &self,
+        cost: T,
+        by_noise: &ByNoise<T>,
+        x: &Parameters<T, N>,
+        before: T,
+    ) -> T {
+        let freedom = self.weight / (self.weight - number(N as f64));
+        let slope = by_noise.cost(x, before);
+        if slope > T::zero() { (cost * freedom / slope).max(T::zero()) } else { T::zero() }
+    }
+
+    /// In the units of the readings.
+    fn finished<const N: usize>(
+        &self,
+        pass: &Pass<T, N>,
+        x: &Parameters<T, N>,
+        variance: T,
+    ) -> Result<Recursive<T, N>, CalibrationError> {
         let spectrum = Spectrum::of(&pass.normal);
-        let variance = pass.cost.max(T::zero()) / (self.weight - number(N as f64));
-        let field_per_reading = self.data_sheet.sensitivity;
+        let DataSheet { sensitivity, zero } = self.data_sheet;
         let units = SVector::<T, N>::from_fn(|i, _| match i {
-            0..3 => field_per_reading,
+            0..3 => sensitivity,
             3..6 => self.unit,
             _ => T::one(),
         });
-        let (parameters, transform) =
-            from_zero(&Parameters(x.0.component_mul(&units)), self.data_sheet.zero);
-        let covariance =
-            (spectrum.inverse() * variance).component_mul(&(units * units.transpose()));
+        let slope = monomial_slopes(x);
+        let middle = squares(&times(&self.sixth, &noise_gain(x)));
+        let scatter = slope.tr_mul(&(middle * slope)) * (variance * number(4.0));
+        let inverse = spectrum.inverse();
+        let covariance = (inverse * scatter * inverse).component_mul(&(units * units.transpose()));
+        let (parameters, transform) = from_zero(&Parameters(x.0.component_mul(&units)), zero);
+        let norm_error_rms = (pass.cost.max(T::zero()) / self.weight).sqrt() * self.unit;
         let found = Recursive {
             parameters,
             covariance: transform * covariance * transform.transpose(),
-            norm_error_rms: (pass.cost.max(T::zero()) / self.weight).sqrt() * self.unit,
+            norm_error_rms,
+            noise: variance.sqrt() * self.unit / sensitivity,
             condition: spectrum.condition(),
+            evidence: Evidence {
+                samples: convert_unchecked::<T, f64>(self.weight) as u32,
+                unknowns: N as u32,
+                rms: convert_unchecked(norm_error_rms),
+            },
         };
         let mut values = found.parameters.0.iter().chain(found.covariance.iter());
         if !values.all(ComplexField::is_finite) {
@@ -190,111 +338,5 @@ impl<T: RealField + Copy> Sums<T> {
         }
         answering(found.parameters.scale(), found.sigma().scale())?;
         Ok(found)
-    }
-}
-
-impl<T: RealField + Copy, const N: usize> Problem<T, N> for Sums<T> {
-    fn pass(&self, x: &SVector<T, N>) -> Pass<T, N> {
-        let x = Parameters(*x);
-        let theta = monomial_factors(&x);
-        let slope = monomial_slopes(&x);
-        let a_theta = self.a * theta;
-        Pass {
-            cost: theta.dot(&(a_theta - self.u * number::<T>(2.0))) + self.v,
-            gradient: slope.tr_mul(&(a_theta - self.u)),
-            normal: slope.tr_mul(&(self.a * slope)),
-        }
-    }
-
-    fn cancellation(&self) -> T {
-        self.v * T::default_epsilon() * number(COST_ROUNDINGS)
-    }
-}
-
-/// Six numbers of a symmetric matrix, those beside the diagonal twice, then the three of a vector and one.
-fn row_of<T: RealField + Copy>(
-    square: &Matrix3<T>,
-    linear: &Vector3<T>,
-    constant: T,
-) -> SVector<T, MONOMIALS> {
-    let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = (*square).into();
-    let two = number::<T>(2.0);
-    SVector::from([
-        xx,
-        yy,
-        zz,
-        xy * two,
-        xz * two,
-        yz * two,
-        linear.x,
-        linear.y,
-        linear.z,
-        constant,
-    ])
-}
-
-/// θ: |C S V + b|² = Vᵀ (S C² S) V + 2 (S C b) · V + |b|², S = diag(s).
-fn monomial_factors<T: RealField + Copy, const N: usize>(
-    x: &Parameters<T, N>,
-) -> SVector<T, MONOMIALS> {
-    let (matrix, bias) = (x.matrix(), Vector3::from(x.bias()));
-    let linear = matrix.tr_mul(&bias) * number::<T>(2.0);
-    row_of(&matrix.tr_mul(&matrix), &linear, bias.norm_squared())
-}
-
-/// ∂θ/∂x. With dM and db: Mᵀ dM + dMᵀ M, 2 (dMᵀ b + Mᵀ db), 2 b · db.
-fn monomial_slopes<T: RealField + Copy, const N: usize>(
-    x: &Parameters<T, N>,
-) -> SMatrix<T, MONOMIALS, N> {
-    let (matrix, bias) = (x.matrix(), Vector3::from(x.bias()));
-    let (zero, one, two) = (T::zero(), T::one(), number::<T>(2.0));
-    // ∂B/∂x is linear in the reading and in what stands beside it: the columns of dM, and db.
-    let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-    let [of_x, of_y, of_z] = axes.map(|axis| x.jacobian(axis, zero, &[]));
-    let of_bias = x.jacobian([zero; 3], one, &[]);
-    let mut slopes = SMatrix::<T, MONOMIALS, N>::zeros();
-    let columns = of_x.column_iter().zip(of_y.column_iter()).zip(of_z.column_iter());
-    for ((mut slope, ((x, y), z)), db) in
-        slopes.column_iter_mut().zip(columns).zip(of_bias.column_iter())
-    {
-        let dm = Matrix3::from_columns(&[x, y, z]);
-        let half = matrix.tr_mul(&dm);
-        let linear = (dm.tr_mul(&bias) + matrix.tr_mul(&db)) * two;
-        slope.copy_from(&row_of(&(half + half.transpose()), &linear, bias.dot(&db) * two));
-    }
-    slopes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    /// Of central differences of polynomials of degree four, of order one.
-    const DIFFERENCES: f64 = 1e-7;
-
-    proptest! {
-        #[test]
-        fn the_slopes_are_derivatives_and_the_factors_give_the_strength(
-            x in prop::array::uniform9(-1.0..1.0_f64),
-            v in prop::array::uniform3(-1.0..1.0_f64),
-        ) {
-            const STEP: f64 = 1e-5;
-            let at = Parameters::<f64, 9>(SVector::from(x));
-            let [a, b, c] = v;
-            let m = SVector::from([a * a, b * b, c * c, a * b, a * c, b * c, a, b, c, 1.0]);
-            let strength = Vector3::from(at.field(v, &[])).norm_squared();
-            prop_assert!((m.dot(&monomial_factors(&at)) - strength).abs() < DIFFERENCES);
-            let slopes = monomial_slopes(&at);
-            for i in 0..9 {
-                let moved = |by: f64| {
-                    let mut moved = at;
-                    moved.0[i] += by;
-                    monomial_factors(&moved)
-                };
-                let numeric = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
-                prop_assert!((numeric - slopes.column(i)).norm() < DIFFERENCES);
-            }
-        }
     }
 }

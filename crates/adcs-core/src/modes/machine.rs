@@ -4,8 +4,11 @@ use super::growth::{Growth, Limits};
 use super::parameters::{ModeParameters, Needs};
 use super::sight::Sight;
 use super::{Cause, Flown, Mode, ModeReport, Modes, Polarity, Sensor, Transition};
+use crate::commissioning::{Ended, Findings, LadderReport, LadderState, Outcome, Rung, Shortfall};
 use crate::frames::{Body, Vector};
-use crate::polarity::{CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Undecided};
+use crate::polarity::{
+    CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Suspect, Undecided,
+};
 use crate::schedule::Phase;
 use crate::steering::{Law, Steering};
 use crate::time::Utc;
@@ -74,10 +77,34 @@ pub struct ModesState {
     sun: Silence,
     retries: u8,
     here: InMode,
-    guard: GuardState,
-    check: CheckState,
-    /// What the active check wants to be carried, Body, A·m².
+    watch: Watch,
+    /// What commissioning has found.
+    findings: Findings,
+    /// Whether a climb that a reset interrupted goes on.
+    resumes: bool,
+    /// What commissioning wants to be carried, Body, A·m².
     pulse: Option<Vector<Body>>,
+    /// What it says in this cycle.
+    climbed: Option<LadderReport>,
+}
+
+/// What looks after the wiring: one of them at a time.
+#[derive(Debug, Clone, Copy)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one, in static memory, and no heap to box into"
+)]
+enum Watch {
+    Guard(GuardState),
+    /// The active check alone, where there is no ladder.
+    Check(CheckState),
+    Ladder(LadderState),
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self::Guard(GuardState::default())
+    }
 }
 
 impl ModesState {
@@ -99,13 +126,39 @@ impl ModesState {
         Some(mean.norm())
     }
 
-    /// The pulse that the active check wants to be carried, Body, A·m²; `None` outside
+    /// The pulse that commissioning wants to be carried, Body, A·m²; `None` outside
     /// [`Mode::Commissioning`].
     pub(crate) fn pulse(&self) -> Option<Vector<Body>> {
         self.pulse
     }
 
-    fn enter(&mut self, from: Mode, (to, cause): (Mode, Cause)) -> Transition {
+    /// What the commissioning ladder says in this cycle.
+    pub(crate) fn climbed(&self) -> Option<LadderReport> {
+        self.climbed
+    }
+
+    /// What commissioning has found so far.
+    pub fn findings(&self) -> &Findings {
+        &self.findings
+    }
+
+    pub(crate) fn set_committed(&mut self, committed: bool) {
+        self.findings.committed = committed;
+    }
+
+    /// Before the first cycle: what was found before a reset. A climb that was interrupted goes on.
+    pub fn resume(&mut self, findings: Findings) {
+        let begun = findings.outcomes.iter().any(Option::is_some);
+        self.resumes = begun && findings.next().is_some();
+        self.findings = findings;
+    }
+
+    fn enter(
+        &mut self,
+        from: Mode,
+        (to, cause): (Mode, Cause),
+        has_ladder: bool,
+    ) -> Transition {
         match cause {
             Cause::Recovered => self.retries = self.retries.saturating_add(1),
             Cause::Commanded => self.retries = 0,
@@ -118,10 +171,18 @@ impl ModesState {
         };
         // No waiting cures a wrong wiring.
         let was_commanded = matches!(cause, Cause::Commanded | Cause::Miswired(_));
-        if was_commanded || from == Mode::Commissioning {
-            self.guard = GuardState::default();
+        if to == Mode::Commissioning {
+            if cause != Cause::Resumed {
+                self.findings.retry();
+            }
+            self.watch = match has_ladder {
+                true => Watch::Ladder(LadderState::resumed(self.findings)),
+                false => Watch::Check(CheckState::default()),
+            };
+        } else if was_commanded || from == Mode::Commissioning {
+            self.watch = Watch::default();
         }
-        (self.check, self.pulse) = (CheckState::default(), None);
+        self.pulse = None;
         self.here = InMode { was_commanded, missed, ..InMode::default() };
         Transition { from, to, cause }
     }
@@ -145,7 +206,11 @@ impl Modes {
         let refused = sight.commanded.filter(is_refused);
         let commanded = sight.commanded.filter(|mode| !is_refused(mode));
 
+        state.climbed = None;
         let (mode, next) = match state.mode {
+            None if state.resumes && self.ladder.is_some() => {
+                (Mode::Off, Some((Mode::Commissioning, Cause::Resumed)))
+            }
             None => (Mode::Off, Some((self.parameters().start, Cause::PowerOn))),
             Some(mode) => {
                 state.here.for_s += dt_s;
@@ -158,7 +223,7 @@ impl Modes {
             }
         };
         let next = commanded.map(|mode| (mode, Cause::Commanded)).or(next);
-        let transition = next.map(|next| state.enter(mode, next));
+        let transition = next.map(|next| state.enter(mode, next, self.ladder.is_some()));
         let mode = transition.map_or(mode, |transition| transition.to);
         ModeReport { mode, transition, refused, retries: state.retries }
     }
@@ -218,10 +283,11 @@ impl Modes {
     /// a satellite that points has proven its wiring, and turns too slowly to betray it.
     fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
-        if matches!(mode, Mode::Point | Mode::Commissioning) {
+        let Watch::Guard(watch) = &mut state.watch else { return None };
+        if mode == Mode::Point {
             return None;
         }
-        match guard.cycle(&mut state.guard, &sight.devices) {
+        match guard.cycle(watch, &sight.witnessed.devices) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }
@@ -229,23 +295,30 @@ impl Modes {
         }
     }
 
-    /// One cycle of the active check.
+    /// One cycle of commissioning.
     fn commission(&self, state: &mut ModesState, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { check, .. } = self.polarity.as_ref()?;
-        match check.cycle(&mut state.check, &sight.devices) {
-            CheckStep::Carry(pulse) => {
-                state.pulse = Some(pulse);
-                None
+        match (&mut state.watch, &self.ladder) {
+            (Watch::Ladder(watch), Some(ladder)) => {
+                let step = ladder.cycle(check, watch, &sight.witnessed);
+                state.findings = *watch.findings();
+                (state.pulse, state.climbed) = (Some(step.pulse), Some(step.report));
+                let LadderReport { rung, ended } = step.report;
+                let trouble = ended.as_ref().and_then(trouble);
+                trouble.or(rung.is_none().then_some((Mode::Detumble, Cause::Commissioned)))
             }
-            CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
-            CheckStep::Done(CheckReport::Wrong(suspect)) => {
-                Some((Mode::Safe, Cause::Miswired(suspect)))
+            (Watch::Check(watch), _) => {
+                match check.cycle(watch, &sight.witnessed.devices) {
+                    CheckStep::Carry(pulse) => {
+                        state.pulse = Some(pulse);
+                        None
+                    }
+                    CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
+                    CheckStep::Done(CheckReport::Wrong(suspect)) => Some(miswired(suspect)),
+                    CheckStep::Done(CheckReport::Undecided(why)) => Some(unchecked(why)),
+                }
             }
-            CheckStep::Done(CheckReport::Undecided(why)) => {
-                let is_silent = matches!(why, Undecided::NoRate | Undecided::NoField);
-                let next = if is_silent { Mode::Safe } else { Mode::Detumble };
-                Some((next, Cause::Unchecked(why)))
-            }
+            (Watch::Guard(_) | Watch::Ladder(_), _) => None,
         }
     }
 
@@ -354,4 +427,25 @@ impl Seen<'_> {
         };
         sight.filtered && attitude && dipole
     }
+}
+
+/// What a rung ended with that ends commissioning.
+fn trouble(ended: &Ended) -> Option<(Mode, Cause)> {
+    match (ended.rung, ended.outcome) {
+        (Rung::Polarity, Outcome::Failed(Shortfall::Miswired(suspect))) => Some(miswired(suspect)),
+        (Rung::Polarity, Outcome::Failed(Shortfall::Undecided(why))) => {
+            // One that turns too slowly goes on: the other rungs have gates of their own.
+            Some(unchecked(why)).filter(|(mode, _)| *mode == Mode::Safe)
+        }
+        _ => None,
+    }
+}
+
+fn miswired(suspect: Suspect) -> (Mode, Cause) {
+    (Mode::Safe, Cause::Miswired(suspect))
+}
+
+fn unchecked(why: Undecided) -> (Mode, Cause) {
+    let is_silent = matches!(why, Undecided::NoRate | Undecided::NoField);
+    (if is_silent { Mode::Safe } else { Mode::Detumble }, Cause::Unchecked(why))
 }

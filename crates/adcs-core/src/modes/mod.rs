@@ -21,7 +21,7 @@
 //! | [`Acquire`](Mode::Acquire) | despin law on the rate of stage II, residual dipole fed forward | when attitude and residual dipole are trusted and the rate is low |
 //! | [`Point`](Mode::Point) | pointing law | when the satellite tumbles or its attitude is lost |
 //! | [`Experiment`](Mode::Experiment) | a law of its own | after its time |
-//! | [`Commissioning`](Mode::Commissioning) | pulses of the active check | when that knows how the devices are wired |
+//! | [`Commissioning`](Mode::Commissioning) | off, or pulses of one after the other | when every rung of the [ladder](crate::commissioning) is over |
 //!
 //! What each of these words means is one table of numbers, [`ModeParameters`]. A condition counts when it
 //! has held without a break for its time, and what leads back is further out than what led in. In the
@@ -41,6 +41,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::commissioning::Ladder;
 use crate::polarity::{ActiveCheck, Guard, Suspect, Undecided};
 use crate::steering::{Law, Steering};
 
@@ -64,7 +65,7 @@ pub enum Mode {
     Point,
     /// A law of its own for a time of its own, as in the paper's experiments.
     Experiment,
-    /// How the devices are wired is found out, before a loop is closed.
+    /// What is wrong with the devices is found out, before a loop is closed.
     Commissioning,
 }
 
@@ -132,6 +133,10 @@ pub enum Cause {
     Over,
     /// The active check has found everything wired as it should be.
     Checked,
+    /// Every rung of the commissioning ladder is over.
+    Commissioned,
+    /// A reset has interrupted commissioning, which goes on.
+    Resumed,
     /// The active check could not tell; the guard goes on watching.
     Unchecked(Undecided),
     /// A device is wired wrongly: the guard or the active check says so.
@@ -199,4 +204,6 @@ pub struct Modes {
     pub experiment: Option<Flown>,
     /// What looks after the wiring; `None` to trust it.
     pub polarity: Option<Polarity>,
+    /// What [`Mode::Commissioning`] does beside the active check; `None` for that alone.
+    pub ladder: Option<Ladder>,
 }

@@ -1,14 +1,15 @@
 //! What the mode machine looks at.
 
 use crate::attitude::selection::{AttitudeSource, Determination};
-use crate::frames::{Body, Vector};
+use crate::commissioning::Witnessed;
+use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Vector};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
 use crate::sensing::{FaceVerdict, SunSighting};
 use crate::time::Utc;
 
 use super::Mode;
-use crate::polarity::GuardInputs;
+use crate::polarity::CheckInputs;
 
 /// The Sun counts as shining from this fraction of its disc on, as in stage II.
 const LIT: f32 = 0.5;
@@ -38,8 +39,8 @@ pub struct Sight {
     pub dipole_sigma_am2: Option<f32>,
     /// Angle to the target, rad, where it was last known in this mode.
     pub pointing_error_rad: Option<f32>,
-    /// What the devices say and did, for what looks after their wiring.
-    pub devices: GuardInputs,
+    /// What the devices say and did, for what looks after them.
+    pub witnessed: Witnessed,
 }
 
 /// The sensors of one cycle.
@@ -48,6 +49,10 @@ pub(crate) struct Heard<'a> {
     pub(crate) field_b: Reading<Vector<Body>>,
     pub(crate) sun_b: &'a SunSighting,
     pub(crate) lit: Option<f32>,
+    /// Field along the magnetometer's axes, with whatever the torquers add.
+    pub(crate) reading: Reading<Vector<MagnetometerAxes>>,
+    pub(crate) reference_field: Option<Vector<Eci>>,
+    pub(crate) reference_sun: Option<Direction<Eci>>,
     /// What the torquers carried since the last cycle.
     pub(crate) carried: Vector<Body>,
 }
@@ -78,12 +83,18 @@ impl Sight {
             filtered: attitude.is_some_and(|it| it.source != AttitudeSource::TwoVectors),
             dipole_sigma_am2: dynamic.map(|it| it.residual_dipole_sigma_am2.xyz.max()),
             pointing_error_rad,
-            devices: GuardInputs {
-                now,
-                phase,
-                omega_bi: heard.omega_bi,
-                field_b: heard.field_b,
-                carried: heard.carried,
+            witnessed: Witnessed {
+                devices: CheckInputs {
+                    now,
+                    phase,
+                    omega_bi: heard.omega_bi,
+                    field_b: heard.field_b,
+                    carried: heard.carried,
+                },
+                reading: heard.reading,
+                reference_field: heard.reference_field,
+                reference_sun: heard.reference_sun.filter(|_| heard.lit.is_some_and(|lit| lit >= LIT)),
+                sun: heard.sun_b.sun.value().map(|sun| sun.direction),
             },
         }
     }

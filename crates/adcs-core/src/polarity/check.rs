@@ -19,11 +19,10 @@ use serde::{Deserialize, Serialize};
 
 use super::guard::GuardInputs;
 use super::parameters::{PolarityError, PolarityParameters};
-use super::permutation::SignedPermutation;
 use super::response::{Response, ResponseEvidence, Seen};
 use super::turning::Turning;
 use super::verdict::Suspect;
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, SignedPermutation, Vector};
 use crate::schedule::Phase;
 use crate::time::Utc;
 
@@ -218,7 +217,7 @@ impl ActiveCheck {
     }
 
     /// The pulse of a round: one torquer after the other, with alternating sign.
-    fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
+    pub(crate) fn pulse(&self, round: u8, phase: Phase) -> Vector<Body> {
         let acting = matches!(phase, Phase::Measuring | Phase::Acting);
         let sign = if round.is_multiple_of(2) { 1.0 } else { -1.0 };
         let axis = round % 3;

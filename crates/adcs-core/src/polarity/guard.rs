@@ -7,11 +7,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::parameters::{PolarityError, PolarityParameters};
-use super::permutation::SignedPermutation;
 use super::response::{Response, Seen};
 use super::turning::{Turning, TurningEvidence};
 use super::verdict::{Evidence, GuardVerdict, Suspect};
-use crate::frames::{Body, Vector};
+use crate::frames::{Body, SignedPermutation, Vector};
 use crate::reading::Reading;
 use crate::schedule::Phase;
 use crate::time::Utc;

@@ -15,18 +15,17 @@
 mod check;
 mod guard;
 mod parameters;
-mod permutation;
 mod response;
 #[cfg(test)]
 mod tests;
 mod turning;
 mod verdict;
 
+pub use crate::frames::{PermutationError, SignedPermutation};
 pub use check::{
     ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, LONGEST_CYCLES, LONGEST_ROUNDS,
     Undecided,
 };
 pub use guard::{Guard, GuardInputs, GuardState};
 pub use parameters::{PolarityError, PolarityParameters};
-pub use permutation::{PermutationError, SignedPermutation};
 pub use verdict::{Evidence, GuardVerdict, Suspect};

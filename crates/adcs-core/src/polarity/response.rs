@@ -28,8 +28,8 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::parameters::PolarityParameters;
-use super::permutation::SignedPermutation;
 use super::turning::LogSum;
+use crate::frames::SignedPermutation;
 
 /// The unit of the field, T: fields in low orbit are of order one.
 const FIELD_UNIT_T: f32 = 3e-5;

@@ -181,8 +181,8 @@ fn a_satellite_that_is_wired_well_is_left_alone_and_comes_to_rest() {
 
 #[test]
 fn wrong_sensors_are_stopped_within_two_rounds_and_wrong_torquers_within_five_minutes() {
-    let mirrored = wiring("(+x, -y, +z)");
-    let turned = wiring("(+y, -x, +z)");
+    let mirrored = wiring("+x -y +z");
+    let turned = wiring("+y -x +z");
     for (device, wiring, expected, within_s) in [
         (Device::Gyro, mirrored, Suspect::Gyro(mirrored), 40.0),
         (Device::Gyro, turned, Suspect::GyroOrMagnetometer(turned), 40.0),
@@ -212,7 +212,7 @@ fn wrong_sensors_are_stopped_within_two_rounds_and_wrong_torquers_within_five_mi
 
 #[test]
 fn the_active_check_names_the_device_and_its_wiring() {
-    for name in ["(+x, -y, +z)", "(+y, -x, +z)", "(-z, +y, -x)", "(-x, -y, +z)"] {
+    for name in ["+x -y +z", "+y -x +z", "-z +y -x", "-x -y +z"] {
         let wiring = wiring(name);
         for (device, expected) in [
             (Device::Gyro, Suspect::Gyro(wiring)),
@@ -267,7 +267,7 @@ fn readings_that_are_none_neither_alarm_nor_hide_a_fault() {
         }
     };
     assert_eq!(guarded(Rig::new(5.0, None), spoil).0, None);
-    let mirrored = wiring("(+x, -y, +z)");
+    let mirrored = wiring("+x -y +z");
     let (stopped, _) = guarded(Rig::new(5.0, Some((Device::Gyro, mirrored))), spoil);
     assert_eq!(stopped.unwrap().1, Suspect::Gyro(mirrored));
 }

@@ -22,7 +22,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::parameters::PolarityParameters;
-use super::permutation::SignedPermutation;
+use crate::frames::SignedPermutation;
 
 /// Between two fields the satellite may turn for this long, s: twice the longest round of the paper.
 const LONGEST_S: f32 = 30.0;

@@ -4,7 +4,7 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::permutation::SignedPermutation;
+use crate::frames::SignedPermutation;
 
 /// The device that is wired wrongly: it shows, or does, P times what it should.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! Which axis of the magnetometer is which, from the history of a flight.
 
-use adcs_core::calibration::axes::{AxesCheck, AxesStep, SignedPermutation};
+use adcs_core::calibration::axes::{AxesCheck, AxesStep};
+use adcs_core::frames::SignedPermutation;
 use serde::Serialize;
 
 use super::{Fit, Measured};
@@ -13,12 +14,13 @@ const T_PER_NT: f64 = 1e-9;
 pub struct Naming {
     /// The sensor's axes along Body's x, y and z, as `+x +y +z`.
     pub axes: Option<String>,
+    /// The same.
+    #[serde(skip)]
+    pub wiring: Option<SignedPermutation>,
     /// What the record leaves open otherwise.
     pub open: Option<String>,
     /// Whether that is how they are wired.
     pub as_wired: Option<bool>,
-    /// Which are the other way round, where none are exchanged.
-    pub reversed: Option<[bool; 3]>,
     /// How much worse the next naming is, by the gyros.
     pub gyro_ratio: Option<f64>,
     /// Change of energy over the torquers' work: about 1.
@@ -50,17 +52,17 @@ pub(super) fn name(
     Some(match check.verdict() {
         Ok(axes) => Naming {
             axes: Some(axes.permutation.to_string()),
+            wiring: Some(axes.permutation),
             open: None,
             as_wired: Some(axes.permutation == SignedPermutation::IDENTITY),
-            reversed: axes.permutation.reversed_in_place(),
             gyro_ratio: Some(axes.gyro_ratio),
             torquer_response: Some(axes.response),
         },
         Err(error) => Naming {
             axes: None,
+            wiring: None,
             open: Some(error.to_string()),
             as_wired: None,
-            reversed: None,
             gyro_ratio: check.by_gyros().ok().map(|(_, ratio)| ratio),
             torquer_response: None,
         },

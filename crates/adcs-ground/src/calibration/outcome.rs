@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use adcs_core::calibration::Evidence;
+use adcs_core::calibration::{self, Evidence};
+use adcs_core::frames::SignedPermutation;
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -102,6 +103,9 @@ pub struct Correction {
     pub cross_axis: [f64; 3],
     /// Subtracted after it.
     pub bias_nt: [f64; 3],
+    /// Attitude quaternion from the sensor's axes to Body, where axes were found exchanged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_xyzw: Option<[f64; 4]>,
 }
 
 impl Range {
@@ -134,9 +138,6 @@ impl Outcome {
         let of_norm = |field: &dyn Fn(&Measured) -> Vector3<f64>| {
             Range::of(used.iter().map(|one| field(one).norm() - one.sample.intensity))
         };
-        // C (s ∘ (x / k + V₀)) + b
-        let driver = request.driver;
-        let bias = -(found.matrix() * Vector3::repeat(driver.zero) + Vector3::from(found.bias()));
         let currents = match model {
             "coupled" => request.currents.names,
             _ => &[],
@@ -170,11 +171,7 @@ impl Outcome {
             ),
             evidence,
             axes,
-            correction: Correction {
-                scale: found.scale().map(|scale| scale / driver.sensitivity),
-                cross_axis: found.cross_axis(),
-                bias_nt: bias.into(),
-            },
+            correction: found.correction(request.driver).into(),
         }
     }
 
@@ -192,36 +189,42 @@ impl Outcome {
     }
 }
 
+impl From<calibration::Correction<f64>> for Correction {
+    fn from(it: calibration::Correction<f64>) -> Self {
+        let calibration::Correction { scale, cross_axis, bias } = it;
+        Self { scale, cross_axis, bias_nt: bias, alignment_xyzw: None }
+    }
+}
+
 impl Correction {
-    /// The same with these axes the other way round.
+    /// The same with the sensor's axes along these of Body.
     #[must_use]
-    pub fn reversed(&self, reversed: [bool; 3]) -> Self {
-        let sign = reversed.map(|reversed| if reversed { -1.0 } else { 1.0 });
-        let [x, y, z] = sign;
-        let product = |values: [f64; 3], signs: [f64; 3]| {
-            [values[0] * signs[0], values[1] * signs[1], values[2] * signs[2]]
-        };
+    pub fn along(&self, axes: SignedPermutation) -> Self {
+        let Self { scale, cross_axis, bias_nt: bias, .. } = *self;
+        let (turned, rotation) = calibration::Correction { scale, cross_axis, bias }.along(axes);
+        let exchanged = rotation.angle_rad() > 0.0;
         Self {
-            scale: product(self.scale, sign),
-            cross_axis: product(self.cross_axis, [x * y, x * z, y * z]),
-            bias_nt: product(self.bias_nt, sign),
+            alignment_xyzw: exchanged.then(|| rotation.attitude_quaternion()),
+            ..Self::from(turned)
         }
     }
 
     /// The section as a mission file has it, and as it is uplinked: in single precision.
     pub fn toml(&self) -> String {
-        let list = |values: [f64; 3]| {
-            let [x, y, z] = values.map(|value| value as f32);
-            format!("[{x:?}, {y:?}, {z:?}]")
+        let list = |values: &[f64]| {
+            format!("{:?}", values.iter().map(|&value| value as f32).collect::<Vec<_>>())
         };
+        let alignment = self
+            .alignment_xyzw
+            .map_or(String::new(), |xyzw| format!("alignment_xyzw = {}\n", list(&xyzw)));
         let cross_axis = match self.cross_axis == [0.0; 3] {
             true => String::new(),
-            false => format!("cross_axis = {}\n", list(self.cross_axis)),
+            false => format!("cross_axis = {}\n", list(&self.cross_axis)),
         };
         format!(
-            "[magnetometer.calibration]\nscale = {}\n{cross_axis}bias_nt = {}\n",
-            list(self.scale),
-            list(self.bias_nt)
+            "[magnetometer.calibration]\nscale = {}\n{cross_axis}bias_nt = {}\n{alignment}",
+            list(&self.scale),
+            list(&self.bias_nt)
         )
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_core::calibration::{DataSheet, Start};
+use adcs_core::frames::SignedPermutation;
 use adcs_ground::calibration::{self, Columns, Measured, Model, Naming, Outcome, Request};
 use adcs_ground::identification::Tensor;
 use adcs_ground::report::chart::Chart;
@@ -53,7 +54,8 @@ Writes to OUT.json
   correction                     scale, cross_axis, bias_nt for the mission file,
                                  section magnetometer.calibration: the flight
                                  software computes C (scale * reading) - bias,
-                                 the reading being sensitivity * (V - zero)
+                                 the reading being sensitivity * (V - zero);
+                                 alignment_xyzw, where --apply-signs exchanges axes
 
 Examples
   $ adcs calibrate voltages.csv -o calibration.json --plot norm.svg
@@ -96,8 +98,8 @@ pub struct Args {
     #[arg(long, value_name = "NT_PER_V", value_parser = sensitivity)]
     sensitivity: Option<f64>,
 
-    /// Turn round, in the section for the mission file, the axes that gyros and torquers
-    /// find the other way round
+    /// Turn round and exchange, in the section for the mission file, the axes that gyros
+    /// and torquers find wired so
     #[arg(long)]
     apply_signs: bool,
 
@@ -210,7 +212,7 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
     };
     let mut outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
     if args.apply_signs {
-        outcome.correction = outcome.correction.reversed(signs(&outcome)?);
+        outcome.correction = outcome.correction.along(wiring(&outcome)?);
     }
 
     let mut plots = Vec::new();
@@ -239,17 +241,12 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
     Ok(tally)
 }
 
-/// Which axes are the other way round.
-fn signs(outcome: &Outcome) -> anyhow::Result<[bool; 3]> {
+/// Along which of Body's axes the sensor's were found to be.
+fn wiring(outcome: &Outcome) -> anyhow::Result<SignedPermutation> {
     match &outcome.axes {
         None => bail!("--apply-signs needs the columns t_s and gyro_x_deg_s, _y_, _z_"),
-        Some(Naming { open: Some(open), .. }) => bail!("--apply-signs: {open}"),
-        Some(Naming { reversed: Some(reversed), .. }) => Ok(*reversed),
-        Some(Naming { axes, .. }) => bail!(
-            "--apply-signs: axes are exchanged, Body's x, y, z being the sensor's {}; correct \
-             magnetometer.channels first",
-            axes.as_deref().unwrap_or_default()
-        ),
+        Some(Naming { wiring: Some(wiring), .. }) => Ok(*wiring),
+        Some(Naming { open, .. }) => bail!("--apply-signs: {}", open.as_deref().unwrap_or("open")),
     }
 }
 

@@ -9,6 +9,7 @@
 //! flight crates refuse by their own constructors is reported at the key it came from.
 
 mod attitude;
+mod commissioning;
 mod control;
 mod document;
 mod guidance;
@@ -111,6 +112,7 @@ fn mission(root: &Section, path: &Path, sources: &Sources) -> Option<Mission> {
         pointing: law.map(|(law, steering)| FlownParameters { law, steering }),
         attitude: attitude.flatten(),
         schedule,
+        magnetometer: magnetometer.as_ref().map(|it| it.calibration),
     };
     let modes = modes::modes(root, &usual, &beside);
     let counted = about.as_ref().map(|about| (about.cycle_us, about.cycles));

@@ -5,8 +5,10 @@ use adcs_core::attitude::selection::{EstimatorParameters, Flies};
 use adcs_core::modes::{Mode, ModeError, ModeNumber, ModeParameters, Needs};
 use adcs_core::polarity::PolarityParameters;
 use adcs_core::schedule::ScheduleParameters;
-use adcs_sim::scenario::{COMMANDS, TimedCommand};
+use adcs_core::sensing::TriadParameters;
+use adcs_sim::scenario::{COMMANDS, Order, TimedCommand};
 
+use super::commissioning;
 use super::control::{self, Usual};
 use super::problem::Fault;
 use super::section::Section;
@@ -63,6 +65,7 @@ pub(super) struct Beside {
     pub pointing: Option<FlownParameters>,
     pub attitude: Option<EstimatorParameters>,
     pub schedule: Option<ScheduleParameters>,
+    pub magnetometer: Option<TriadParameters>,
 }
 
 /// Section `modes`; `Some(None)` when there is none.
@@ -77,6 +80,7 @@ pub(super) fn modes(
         Some(law) => control::flown(&law, usual).map(Some),
         None => Some(None),
     };
+    let commissioning = commissioning::commissioning(&section);
     let table = table(&section, beside.attitude.as_ref());
     let guards = if section.has(GUARD) { section.flag(GUARD) } else { Some(true) };
     section.finish();
@@ -87,10 +91,13 @@ pub(super) fn modes(
         despin: flown(despin?),
         experiment: experiment?.map(flown),
         polarity: beside.attitude.filter(|_| guards == Some(true)).map(|it| polarity(&it, usual)),
+        commissioning: commissioning?,
     };
-    let round = beside.schedule?.round();
-    let pointing = beside.pointing?.accept(round).ok()?;
-    if let Err(error) = modes.accept(&pointing, beside.attitude.as_ref()) {
+    let schedule = beside.schedule?;
+    let pointing = beside.pointing?.accept(schedule.round()).ok()?;
+    let settle_s = schedule.settle_us as f32 * 1e-6;
+    let magnetometer = (&beside.magnetometer?, settle_s);
+    if let Err(error) = modes.accept(&pointing, beside.attitude.as_ref(), magnetometer) {
         refuse(root, &section, &error);
         return None;
     }
@@ -120,6 +127,11 @@ fn refuse(root: &Section, section: &Section, error: &ParameterError) {
         ParameterError::Modes(ModeError::NoDipole) => DIPOLE_SIGMA,
         ParameterError::Modes(ModeError::NotDespin) => "detumble",
         ParameterError::Polarity(_) => GUARD,
+        ParameterError::Modes(ModeError::NoCheck) if section.has(commissioning::SECTION) => GUARD,
+        ParameterError::Commissioning(error) => {
+            commissioning::refuse(section, error);
+            return;
+        }
         ParameterError::Modes(ModeError::NotPointing) => {
             let advice = "with modes [law] is what flies in mode point";
             let fault = Fault::advising(error.to_string(), advice);
@@ -265,7 +277,7 @@ fn needs(section: &Section, key: &'static str, usual: Needs) -> Option<Needs> {
     Some(Needs { gyro: words.contains(&"gyro"), sun: words.contains(&"sun") })
 }
 
-/// Section `commands`: at which times which modes are asked for.
+/// Section `commands`: at which times which modes are asked for, and commits.
 pub(super) fn commands(
     root: &Section,
     cycles: Option<(u32, u32)>,
@@ -273,12 +285,18 @@ pub(super) fn commands(
 ) -> Option<[Option<TimedCommand>; COMMANDS]> {
     const AT: &str = "at_s";
     const ENTER: &str = "enter";
+    const COMMIT: &str = "commit_at_s";
     let none = [None; COMMANDS];
     let Some(section) = root.section_if_any("commands")? else { return Some(none) };
+    let list = |key| match section.has(key) {
+        true => section.list_of_micros(key, 0.0..=super::MAX_DURATION_S),
+        false => Some(Vec::new()),
+    };
     let at_us = section.list_of_micros(AT, 0.0..=super::MAX_DURATION_S);
     let words = section.choices(ENTER, &MODES.map(|(name, _)| (name, name)));
+    let commit_us = list(COMMIT);
     section.finish();
-    let ((cycle_us, cycles), at_us, words) = (cycles?, at_us?, words?);
+    let ((cycle_us, cycles), at_us, words, commit_us) = (cycles?, at_us?, words?, commit_us?);
     let refuse = |key, reason: String, advice: &str| {
         section.refuse(key, Fault::advising(reason, advice));
         None
@@ -290,18 +308,21 @@ pub(super) fn commands(
         let reason = format!("{} commands for {} times", words.len(), at_us.len());
         return refuse(ENTER, reason, "name one mode for each time");
     }
-    if at_us.len() > COMMANDS {
+    if at_us.len() + commit_us.len() > COMMANDS {
         return refuse(AT, format!("more than {COMMANDS} commands"), "");
     }
+    let modes = words.iter().filter_map(|word| MODES.iter().find(|(name, _)| name == word));
+    let enters = at_us.into_iter().zip(modes.map(|(_, mode)| Order::Enter(*mode)));
+    let commits = commit_us.into_iter().map(|at_us| (at_us, Order::Commit));
+    let told = enters.map(|it| (AT, it)).chain(commits.map(|it| (COMMIT, it)));
     let mut commands = none;
-    for ((slot, at_us), word) in commands.iter_mut().zip(at_us).zip(words) {
+    for (slot, (key, (at_us, order))) in commands.iter_mut().zip(told) {
         let cycle = at_us / i64::from(cycle_us);
         if at_us % i64::from(cycle_us) != 0 || cycle > i64::from(cycles) {
             let reason = format!("{} s is not the instant of a cycle", at_us as f64 / 1e6);
-            return refuse(AT, reason, "");
+            return refuse(key, reason, "");
         }
-        let enter = MODES.iter().find(|(name, _)| *name == word).map(|(_, mode)| *mode)?;
-        *slot = Some(TimedCommand { cycle: u32::try_from(cycle).ok()?, enter });
+        *slot = Some(TimedCommand { cycle: u32::try_from(cycle).ok()?, order });
     }
     Some(commands)
 }

@@ -148,16 +148,18 @@ fn sensor<S>(root: &Section, kind: &Kind, converter: Option<ConverterConfig>) ->
     Some(Sensor { wiring, calibration: calibration?, truth, offset_from_torquers_m })
 }
 
-fn calibration<S>(section: &Section, kind: &Kind, alignment: [f64; 4]) -> Option<TriadParameters> {
+/// `drawn` is how the sensor should be mounted, and really is but for its errors.
+fn calibration<S>(section: &Section, kind: &Kind, drawn: [f64; 4]) -> Option<TriadParameters> {
     let scale = section.vector_or("scale", NOT_ZERO, [1.0; 3]);
     let cross_axis = section.vector_or("cross_axis", CROSS_AXIS, [0.0; 3]);
     let bias = section.vector_or(kind.bias, kind.range, [0.0; 3]);
+    let alignment = section.quaternion_or("alignment_xyzw", drawn);
     section.finish();
     let parameters = TriadParameters {
         scale: scale?.map(|x| x as f32),
         cross_axis: cross_axis?.map(|x| x as f32),
         bias: bias?.map(|x| (kind.to_si)(x) as f32),
-        alignment_xyzw: alignment.map(|x| x as f32),
+        alignment_xyzw: alignment?.map(|x| x as f32),
     };
     if let Err(error) = Triad::<S>::new(&parameters) {
         let key = match error {

@@ -19,6 +19,7 @@
 
 pub mod campaign;
 pub mod closed_loop;
+pub mod commissioning;
 pub mod despin;
 pub mod figures;
 pub mod pointing;

@@ -1,5 +1,6 @@
 //! `adcs study`: how well filters and laws do, over many simulated flights.
 
+mod commissioning;
 mod despin;
 mod filters;
 mod pointing;
@@ -25,6 +26,7 @@ enum Subject {
     Pointing(pointing::Args),
     Despin(despin::Args),
     Polarity(polarity::Args),
+    Commissioning(commissioning::Args),
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {
@@ -33,6 +35,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         Subject::Pointing(args) => pointing::run(args),
         Subject::Despin(args) => despin::run(args),
         Subject::Polarity(args) => polarity::run(args),
+        Subject::Commissioning(args) => commissioning::run(args),
     }
 }
 

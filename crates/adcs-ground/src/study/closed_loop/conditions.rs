@@ -4,7 +4,8 @@ use adcs_core::polarity::SignedPermutation;
 use adcs_sim::noise::Gaussian;
 use nalgebra::Vector3;
 
-use super::super::random::{gaussian, symmetric};
+use super::FlawSizes;
+use super::super::random::{gaussian, symmetric, uniform};
 use super::super::sprout::{
     self, BIAS_WALK_RAD_S_PER_SQRT_S, DEG, FIELD_NOISE_T, GYRO_NOISE_RAD_S, RESIDUAL_DIPOLE_AM2,
     SUN_NOISE_RAD,
@@ -41,6 +42,8 @@ pub struct Conditions {
     pub orbit_late_s: f64,
     /// How wrong the field model is that flies along: this on each axis of Eci, signs at random, T.
     pub field_model_error_t: f64,
+    /// What nobody has calibrated.
+    pub flaws: FlawSizes,
     /// A device that is wired wrongly.
     pub fault: Option<Fault>,
 }
@@ -64,6 +67,7 @@ impl Default for Conditions {
             albedo: 0.0,
             orbit_late_s: 0.0,
             field_model_error_t: 0.0,
+            flaws: FlawSizes::default(),
             fault: None,
         }
     }
@@ -86,6 +90,8 @@ pub enum StartingRate {
     Within([f64; 3]),
     /// Just this fast about an axis at random, rad/s.
     AnyAxis(f64),
+    /// The same, uniform between these, rad/s.
+    Between([f64; 2]),
 }
 
 impl StartingRate {
@@ -93,6 +99,9 @@ impl StartingRate {
         match self {
             Self::Within(limits) => symmetric(noise).component_mul(&Vector3::from(limits)),
             Self::AnyAxis(rate) => gaussian(noise).normalize() * rate,
+            Self::Between([slow, fast]) => {
+                gaussian(noise).normalize() * (slow + (fast - slow) * uniform(noise))
+            }
         }
     }
 }

@@ -7,11 +7,13 @@
 //! | file | what |
 //! |---|---|
 //! | `conditions` | what is true of the satellite and its surroundings |
+//! | `flaws` | what is wrong with sensors that nobody has calibrated |
 //! | `sensors` | what gyro, magnetometer and Sun sensors show of it |
 //! | `baseline` | what SPROUT's flight software believes |
 
 mod baseline;
 mod conditions;
+mod flaws;
 mod sensors;
 
 use adcs_app::parameters::FlightParameters;
@@ -31,6 +33,8 @@ pub use conditions::{
     Conditions, Device, DipoleStep, Fault, GyroTruth, Sampling, StartingRate, Torque,
 };
 
+pub use flaws::{FlawSizes, Flaws};
+
 use self::sensors::Sensors;
 use super::random::{GaussMarkov, gaussian, signs, symmetric, uniform};
 use super::satellite::{Satellite, some_start, sunlit_start};
@@ -49,6 +53,7 @@ mod stream {
     pub(super) const GYRO_BIAS: u64 = 205;
     pub(super) const MAGNETOMETER: u64 = 206;
     pub(super) const SUN: u64 = 207;
+    pub(super) const FLAWS: u64 = 208;
 }
 
 /// What is true at the start of a cycle.
@@ -119,6 +124,7 @@ pub struct ClosedLoop {
     /// The torquers' scale errors and their fault.
     torquers: nalgebra::Matrix3<f64>,
     told: Vector<TorquerAxes>,
+    flaws: Flaws,
 }
 
 impl ClosedLoop {
@@ -159,7 +165,9 @@ impl ClosedLoop {
         let field_error = Vector::from_xyz(signs(&mut mistakes) * conditions.field_model_error_t);
         let direction = gaussian(&mut mistakes).normalize();
         let scale = gaussian(&mut mistakes) * conditions.torquer_scale_sigma;
-        let dipole = Vector3::from(conditions.residual_dipole_am2);
+        let flaws = conditions.flaws.drawn(&mut Gaussian::new(seed, stream::FLAWS));
+        let told = Vector3::from(conditions.residual_dipole_am2);
+        let dipole = flaws.residual_dipole.unwrap_or(told);
         let DipoleStep { share, lag_s: [shortest_s, longest_s] } = conditions.eclipse_step;
         let step = dipole.component_mul(&signs(&mut mistakes)) * share;
         let lag_s = shortest_s + (longest_s - shortest_s) * uniform(&mut mistakes);
@@ -184,7 +192,7 @@ impl ClosedLoop {
                 inertia,
                 motion: Motion::new(r_bi, Vector::from_xyz(omega)),
             },
-            sensors: Sensors::new(conditions, &parameters, seed, gyro_bias, field_bias)?,
+            sensors: Sensors::new(conditions, &parameters, seed, (gyro_bias, field_bias), flaws)?,
             start,
             cycles: 0,
             constant_torque: direction * constant_n_m,
@@ -197,6 +205,7 @@ impl ClosedLoop {
             torquers: nalgebra::Matrix3::from_diagonal(&scale.add_scalar(1.0))
                 * wiring(Device::Torquers),
             told: Vector::zero(),
+            flaws,
         })
     }
 
@@ -240,6 +249,36 @@ impl ClosedLoop {
         self.told = decide(&moment);
         self.fly(dipole, lit, stepped)?;
         Ok(moment)
+    }
+
+    /// What is wrong with the sensors of this satellite.
+    pub fn flaws(&self) -> &Flaws {
+        &self.flaws
+    }
+
+    /// Its inertia tensor, Body, kg·m².
+    pub fn inertia(&self) -> nalgebra::Matrix3<f64> {
+        self.satellite.inertia.matrix()
+    }
+
+    /// What a unit dipole told to each torquer becomes, Body.
+    pub fn torquers(&self) -> nalgebra::Matrix3<f64> {
+        self.torquers
+    }
+
+    /// What the flight code remembers.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Flies on with other parameters, as after a commit.
+    ///
+    /// # Errors
+    /// Parameters that are refused.
+    pub fn commit(&mut self, parameters: &FlightParameters) -> Result<()> {
+        (self.schedule, self.configuration) = parameters.accept()?;
+        self.state.recalibrated();
+        Ok(())
     }
 
     /// What the flight's configuration is.

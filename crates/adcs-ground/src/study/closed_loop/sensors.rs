@@ -1,6 +1,7 @@
 //! What gyro, magnetometer and Sun sensors show.
 
 use adcs_app::parameters::FlightParameters;
+use adcs_core::frames::{Body, Rotation};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::Phase;
 use adcs_core::sensing::sun_faces::FACES;
@@ -9,10 +10,10 @@ use adcs_sim::scenario::SunSensorsTruth;
 use adcs_sim::sun_sensors::SunSensors;
 use adcs_sim::surroundings::Sunlight;
 use anyhow::{Context as _, Result};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::super::random::gaussian;
-use super::{Conditions, Device, Sampling, Truth, stream};
+use super::{Conditions, Device, Flaws, Sampling, Truth, stream};
 
 /// What the sensors of one cycle show.
 pub(super) struct Shown {
@@ -34,6 +35,7 @@ pub(super) struct Sensors {
     magnetometer: Matrix3<f64>,
     field_noise_t: f64,
     field_bias: Vector3<f64>,
+    flaws: Flaws,
     sun: Option<SunSensors>,
     gyro_stream: Gaussian,
     walk_stream: Gaussian,
@@ -45,12 +47,19 @@ impl Sensors {
         conditions: &Conditions,
         parameters: &FlightParameters,
         seed: u64,
-        gyro_bias: Vector3<f64>,
-        field_bias: Vector3<f64>,
+        (gyro_bias, field_bias): (Vector3<f64>, Vector3<f64>),
+        flaws: Flaws,
     ) -> Result<Self> {
         let sun = parameters.sun_sensors.as_ref().map(|known| {
             let Conditions { sun_noise_rad: noise_rad, albedo, .. } = *conditions;
-            let truth = SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
+            let mut truth = SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
+            let turn: Rotation<Body, Body, f64> =
+                Rotation::from_hamilton(UnitQuaternion::from_scaled_axis(flaws.sun_turn));
+            for face in &mut truth.faces {
+                let told = Rotation::<Body, Body, f64>::from_attitude_quaternion(face.alignment_xyzw);
+                let told = told.unwrap_or_else(Rotation::identity);
+                face.alignment_xyzw = (turn * told).attitude_quaternion();
+            }
             // The currents have no noise: it is all in the direction.
             SunSensors::new(&truth, Gaussian::new(seed, stream::SUN), Gaussian::new(seed, 0))
                 .context("Sun sensors without a direction")
@@ -67,6 +76,7 @@ impl Sensors {
             magnetometer: wiring(Device::Magnetometer),
             field_noise_t: conditions.magnetometer_noise_t,
             field_bias,
+            flaws,
             sun: sun.transpose()?,
             gyro_stream: Gaussian::new(seed, stream::GYRO),
             walk_stream: Gaussian::new(seed, stream::GYRO_BIAS),
@@ -88,7 +98,8 @@ impl Sensors {
         let noise = gaussian(&mut self.gyro_stream) * self.gyro_noise_rad_s;
         let rate = self.gyro * truth.omega_bi + self.gyro_bias + noise;
         let noise = gaussian(&mut self.field_stream) * self.field_noise_t;
-        let field = self.magnetometer * (truth.r_bi * truth.field_i).xyz + self.field_bias + noise;
+        let field = (truth.r_bi * truth.field_i).xyz + self.flaws.coupling * truth.torquers;
+        let field = self.magnetometer * self.flaws.shown(field) + self.field_bias + noise;
         self.since_measuring =
             if phase == Phase::Measuring { 0 } else { self.since_measuring.wrapping_add(1) };
         let silent = self.sampling == Sampling::OnceASecond

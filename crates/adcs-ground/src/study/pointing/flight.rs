@@ -64,8 +64,8 @@ pub fn fly(case: &Case, orbits: f64, seed: u64) -> Result<Flown> {
     Ok(Flown { angles_deg, captured_orbits })
 }
 
-/// Total angle from Body to the Orbit frame.
-fn angle_deg(truth: &Truth) -> Result<f64> {
+/// Total angle from Body to the Orbit frame, deg.
+pub(in super::super) fn angle_deg(truth: &Truth) -> Result<f64> {
     let orbit = OrbitState { position: truth.position, velocity: truth.velocity };
     let frame = OrbitFrame::of(&orbit).context("the orbit has no plane")?;
     Ok((truth.r_bi * frame.r_oi.inverse()).angle_rad().to_degrees())

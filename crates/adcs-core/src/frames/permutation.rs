@@ -2,8 +2,10 @@
 
 use core::fmt;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, RealField, Rotation3, UnitQuaternion, Vector3, convert};
 use serde::{Deserialize, Serialize};
+
+use super::Rotation;
 
 /// One of the 48 signed permutations of three axes: row `i` shows ± the axis `axes[i]`.
 ///
@@ -60,8 +62,14 @@ impl SignedPermutation {
     }
 
     /// P v.
-    pub fn apply(self, v: Vector3<f32>) -> Vector3<f32> {
-        self.matrix() * v
+    pub fn apply<T: RealField + Copy>(self, v: Vector3<T>) -> Vector3<T> {
+        let (axes, _) = self.order();
+        let mut shown = Vector3::zeros();
+        for ((shown, axis), sign) in shown.iter_mut().zip(axes).zip(self.signs()) {
+            let value = v.get(axis).copied().unwrap_or(T::zero());
+            *shown = if sign < 0.0 { -value } else { value };
+        }
+        shown
     }
 
     /// P as a matrix.
@@ -93,6 +101,23 @@ impl SignedPermutation {
     /// The rotation of P and −P: det(P) P.
     pub fn rotation(self) -> Self {
         if self.is_rotation() { self } else { self.negated() }
+    }
+
+    /// P as a rotation R behind signs of single axes: P v = R (± v_x, ± v_y, ± v_z).
+    ///
+    /// Where no axes are exchanged, R is the identity.
+    pub fn rotation_and_signs(self) -> (Self, [i8; 3]) {
+        // The order itself, or what is a rotation of it and its negative.
+        let rotation = Self { index: self.index & !7 }.rotation();
+        let signs = (rotation.inverse().matrix() * self.matrix()).diagonal();
+        (rotation, signs.map(|sign| if sign < 0.0 { -1 } else { 1 }).into())
+    }
+
+    /// det(P) P with frames.
+    pub fn turn<To, From, T: RealField + Copy>(self) -> Rotation<To, From, T> {
+        let matrix = self.rotation().matrix().map(|entry| convert(f64::from(entry)));
+        let rotation = Rotation3::from_matrix_unchecked(matrix);
+        Rotation::from_hamilton(UnitQuaternion::from_rotation_matrix(&rotation))
     }
 
     /// The signed permutation with this matrix; the identity when there is none.
@@ -132,17 +157,16 @@ impl From<SignedPermutation> for u8 {
 }
 
 impl fmt::Display for SignedPermutation {
-    /// What the axes show: `(+y, -x, +z)`.
+    /// What the rows show: `+y -x +z`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (axes, _) = self.order();
-        write!(f, "(")?;
         for (row, (axis, sign)) in axes.into_iter().zip(self.signs()).enumerate() {
-            let comma = if row == 0 { "" } else { ", " };
+            let space = if row == 0 { "" } else { " " };
             let sign = if sign < 0.0 { '-' } else { '+' };
             let name = ["x", "y", "z"].get(axis).copied().unwrap_or("?");
-            write!(f, "{comma}{sign}{name}")?;
+            write!(f, "{space}{sign}{name}")?;
         }
-        write!(f, ")")
+        Ok(())
     }
 }
 
@@ -150,6 +174,7 @@ impl fmt::Display for SignedPermutation {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::frames::{Body, MagnetometerAxes};
     use std::string::ToString as _;
 
     #[test]
@@ -160,6 +185,8 @@ mod tests {
             assert_eq!(matrix.determinant() > 0.0, a.is_rotation());
             assert_eq!(a.inverse().matrix() * matrix, Matrix3::identity());
             assert_eq!(a.negated().matrix(), -matrix);
+            let v = Vector3::new(1.0, 2.0, 3.0);
+            assert_eq!(a.apply(v), matrix * v);
             assert!(a.rotation().is_rotation());
             assert_eq!(SignedPermutation::all().filter(|b| b.matrix() == matrix).count(), 1);
         }
@@ -168,11 +195,30 @@ mod tests {
     }
 
     #[test]
+    fn each_is_a_rotation_behind_signs_and_that_rotation_has_a_quaternion() {
+        /// Of a product of two roots of one half.
+        const ROUNDING: f64 = 1e-15;
+        for it in SignedPermutation::all() {
+            let (rotation, signs) = it.rotation_and_signs();
+            assert!(rotation.is_rotation());
+            let signs = Vector3::from(signs.map(f32::from));
+            assert_eq!(rotation.matrix() * Matrix3::from_diagonal(&signs), it.matrix());
+            let turn: Rotation<Body, MagnetometerAxes, f64> = rotation.turn();
+            let again = Rotation::from_attitude_quaternion(turn.attitude_quaternion()).unwrap();
+            let again: Rotation<Body, MagnetometerAxes, f64> = again;
+            assert!((again.matrix() - rotation.matrix().map(f64::from)).norm() < 4.0 * ROUNDING);
+        }
+        let exchanged = SignedPermutation::all().find(|it| it.to_string() == "-x +y -z").unwrap();
+        let in_place = (SignedPermutation::IDENTITY, [-1, 1, -1]);
+        assert_eq!(exchanged.rotation_and_signs(), in_place);
+    }
+
+    #[test]
     fn its_name_says_what_the_axes_show() {
         let named = |name: &str| SignedPermutation::all().find(|it| it.to_string() == name);
-        assert_eq!(named("(+x, +y, +z)"), Some(SignedPermutation::IDENTITY));
-        assert_eq!(named("(-x, -y, -z)"), Some(SignedPermutation::REVERSED));
-        let turned = named("(+y, -x, +z)").unwrap();
+        assert_eq!(named("+x +y +z"), Some(SignedPermutation::IDENTITY));
+        assert_eq!(named("-x -y -z"), Some(SignedPermutation::REVERSED));
+        let turned = named("+y -x +z").unwrap();
         assert_eq!(turned.apply(Vector3::new(1.0, 2.0, 3.0)), Vector3::new(2.0, -1.0, 3.0));
     }
 }

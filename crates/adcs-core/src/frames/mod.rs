@@ -28,11 +28,15 @@
 //! | [`MagnetometerAxes`], [`GyroAxes`], [`TorquerAxes`] | each unit's own axes, before alignment |
 //! | [`SunFaceAxes`] | those of one Sun sensor: z out of the face, x and y along its diode |
 
+mod permutation;
+
 use core::fmt;
 use core::marker::PhantomData;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{ComplexField, Matrix3, Quaternion, RealField, Unit, UnitQuaternion, Vector3};
+
+pub use permutation::{PermutationError, SignedPermutation};
 
 macro_rules! frames {
     ($($(#[$doc:meta])* $name:ident),* $(,)?) => {

@@ -1,0 +1,102 @@
+//! From cycle to cycle: when the gyro spoke last, what the torquers did meanwhile, and since when they
+//! rest.
+
+use nalgebra::Vector3;
+
+use super::Witnessed;
+use crate::attitude::{Method, Observation};
+use crate::frames::{Body, Direction, Eci, Rotation, Vector};
+use crate::identification::Recorded;
+use crate::reading::Reading;
+use crate::time::Utc;
+
+/// A gap that is longer breaks a record, s.
+const LONGEST_GAP_S: f32 = 20.0;
+/// σ of a direction in the attitude that is made of field and Sun, rad: both count alike.
+const DIRECTION_SIGMA_RAD: f32 = 0.02;
+
+/// What one cycle leaves for the next. `Default` has seen none.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Track {
+    last: Option<Utc>,
+    since_gyro_s: f32,
+    /// ∫ m dt since the gyro spoke, A·m²·s.
+    carried: Vector3<f32>,
+    rest_s: f32,
+}
+
+/// An instant at which the gyro spoke.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Instant {
+    /// Since the last one, s; zero after a gap.
+    pub dt_s: f32,
+    /// Rate, Body, rad/s.
+    pub rate: Vector3<f32>,
+    /// Mean dipole of the torquers since the last one, Body, A·m².
+    pub dipole: Vector3<f32>,
+}
+
+/// What one cycle adds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Passed {
+    /// Since the last cycle, s.
+    pub dt_s: f32,
+    /// Whether the torquers' field has died away.
+    pub rests: bool,
+    /// When the gyro spoke.
+    pub instant: Option<Instant>,
+}
+
+impl Track {
+    /// Takes a cycle in; the torquers' field dies away in `settle_s`.
+    pub fn pass(&mut self, seen: &Witnessed, settle_s: f32) -> Passed {
+        let now = seen.devices.now;
+        let dt_s = self.last.map_or(0.0, |last| now.seconds_since(last) as f32);
+        // A clock that was set back breaks the record too.
+        let broken = self.last.is_some() && !(0.0..=LONGEST_GAP_S).contains(&dt_s);
+        if broken {
+            *self = Self::default();
+        }
+        let dt_s = if broken { 0.0 } else { dt_s };
+        self.last = Some(now);
+        let carried = seen.devices.carried.xyz;
+        self.rest_s = if carried == Vector3::zeros() { self.rest_s + dt_s } else { 0.0 };
+        self.since_gyro_s += dt_s;
+        self.carried += carried * dt_s;
+        let instant = seen.devices.omega_bi.value().filter(Vector::is_finite).map(|rate| {
+            let dt_s = if self.since_gyro_s <= LONGEST_GAP_S { self.since_gyro_s } else { 0.0 };
+            let dipole = if dt_s > 0.0 { self.carried / dt_s } else { carried };
+            (self.since_gyro_s, self.carried) = (0.0, Vector3::zeros());
+            Instant { dt_s, rate: rate.xyz, dipole }
+        });
+        Passed { dt_s, rests: self.rest_s >= settle_s, instant }
+    }
+}
+
+impl Instant {
+    /// As the identification takes it; the gyro bias is taken off.
+    pub fn recorded(&self, field: Option<Vector<Body>>, gyro_bias: [f32; 3]) -> Recorded<f32> {
+        Recorded {
+            dt_s: self.dt_s,
+            rate_rad_s: (self.rate - Vector3::from(gyro_bias)).into(),
+            field_t: field.map(|field| field.to_array()),
+            dipole_am2: self.dipole.into(),
+        }
+    }
+}
+
+/// Attitude from field and Sun of this instant; `None` in the dark, or where the two are parallel.
+pub(super) fn attitude(
+    (field, reference_field): (Vector<Body>, Vector<Eci>),
+    (sun, reference_sun): (Direction<Body>, Direction<Eci>),
+) -> Option<Rotation<Body, Eci>> {
+    let field = Observation::new(field, reference_field, DIRECTION_SIGMA_RAD).ok()?;
+    let sun = Observation::new(sun.vector(), reference_sun.vector(), DIRECTION_SIGMA_RAD).ok()?;
+    let found = Method::QMethod.solve(&[field, sun]).ok()?;
+    Some(found.attitude)
+}
+
+/// A reading that is there and is a number.
+pub(super) fn finite<F>(reading: Reading<Vector<F>>) -> Option<Vector<F>> {
+    reading.value().filter(Vector::is_finite)
+}

@@ -78,17 +78,11 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         self.state_covariance *= square;
         self.shared_covariance *= square;
         self.unknown_covariance *= square;
-        // As sure of the unknowns as at first.
-        for index in 0..N {
-            let mut of_unknown = SVector::<T, N>::zeros();
-            let (Some(one), Some(sigma)) = (of_unknown.get_mut(index), self.prior_sigma.get(index))
-            else {
-                continue;
-            };
-            *one = T::one();
-            let variance = *sigma * *sigma;
-            let own = of_unknown.dot(&self.unknown);
-            self.read_one(&SVector::zeros(), &of_unknown, own, variance);
+        // No unknown is less certain than at first.
+        let prior_sigma = self.prior_sigma;
+        for (axis, sigma) in SMatrix::<T, N, N>::identity().column_iter().zip(&prior_sigma) {
+            let axis = axis.into_owned();
+            self.read_one(&SVector::zeros(), &axis, axis.dot(&self.unknown), *sigma * *sigma);
         }
         (self.squares, self.readings) = (T::zero(), 0);
     }
@@ -160,11 +154,12 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         let spectrum = Spectrum::of(&self.unknown_covariance);
         let covariance = self.unknown_covariance * scale;
         let finite = self.unknown.iter().chain(covariance.iter()).all(ComplexField::is_finite);
-        let positive = covariance.diagonal().iter().all(|variance| *variance > T::zero());
+        let variances = self.unknown_covariance.diagonal();
+        let positive = variances.iter().all(|variance| *variance > T::zero());
         if !finite || !positive {
             return Err(IdentificationError::OutOfRange);
         }
-        let left = self.unknown_covariance.diagonal().map(T::sqrt).component_div(&self.prior_sigma);
+        let left = variances.map(T::sqrt).component_div(&self.prior_sigma);
         let limit = number(MAX_LEFT_OF_PRIOR);
         if left.max() > limit {
             return Err(IdentificationError::NotLearnt {

@@ -5,14 +5,15 @@
 //! | symbol | code | meaning |
 //! |---|---|---|
 //! | ω, B | [`RATE`], [`FIELD`] | rate and field, Body |
-//! | d, b | [`CHANGE`], [`BIAS`] | change of the field in inertial space, gyro bias, Body |
+//! | w, d | [`TURN`], [`CHANGE`] | turn of the field in inertial space, its change besides; seen from Body |
+//! | b, c | [`BIAS`], [`OFFSET`] | gyro bias; what calibration left of the magnetometer's, Body |
 //! | J | `inertia` | tensor, Body; as told, or with five unknowns that leave its trace alone |
 //! | M | [`MomentumFit::dipole`] | residual dipole, A·m² |
 //! | G | [`MomentumFit::gains`] | what the torquers make of a commanded dipole: one, when they do as they are told |
 //!
 //! It is eq. (2) of the paper, followed through time: no difference of readings is taken, and no product of them. ω
 //! and B are states, so that the gyros' noise enters where they are read and not again through ω × J ω, where
-//! neighbours would share it. Gyro bias is estimated along: what is told of it only shortens the way.
+//! neighbours would share it. The sensors' biases are estimated along: what is told of them only shortens the way.
 //!
 //! What acts besides (gravity gradient, drag) is allowed for as a random torque. Modelling the gravity gradient
 //! would need an attitude, which a satellite does not have while it tumbles before it knows itself, and drag
@@ -24,11 +25,11 @@
 
 use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, SVector, Vector3};
 
-use super::field_motion::{FIELD_CHANGE_T_S, MAX_GAP_S, Motion};
+use super::field_motion::{FIELD_CHANGE_T_S, FIELD_TURN_RAD_S, MAX_GAP_S, Motion, PRIOR_FIELD_T};
 use super::joint::Joint;
 use super::{
     BIAS_WALK, IdentificationError, Inertia, Noise, PRIOR_BIAS_RAD_S, Recorded, Solution, number,
-    of_unit_dipoles,
+    of_unit_dipoles, shown,
 };
 
 /// Unknowns of [`MomentumFit::ratios`]: M, then the tensor's xx − zz, yy − zz parts and its products.
@@ -38,11 +39,13 @@ pub const GAIN_UNKNOWNS: usize = 12;
 /// Unknowns of [`MomentumFit::ratios_and_gains`]: M, the tensor's, then G column by column.
 pub const ALL_UNKNOWNS: usize = 17;
 
-const STATES: usize = 12;
+const STATES: usize = 18;
 const RATE: usize = 0;
 const FIELD: usize = 3;
 const CHANGE: usize = 6;
 const BIAS: usize = 9;
+const OFFSET: usize = 12;
+const TURN: usize = 15;
 
 /// Of a rate at first, before the gyros are read, rad/s.
 const PRIOR_RATE_RAD_S: f64 = 0.05;
@@ -52,15 +55,19 @@ const PRIOR_DIPOLE_AM2: f64 = 1.0;
 const PRIOR_TENSOR: f64 = 0.2;
 /// Of a gain at first: a torquer that works backwards is two sigma off.
 const PRIOR_GAIN: f64 = 1.0;
-/// Of what acts besides, each axis, N·m: SPROUT's gravity gradient, 1.5·10⁻⁸ at most, and drag, 10⁻⁸.
-const DISTURBANCE_N_M: f64 = 0.6e-8;
+/// Of what acts besides, each axis, in the mean square, N·m: SPROUT's gravity gradient, 1.5·10⁻⁸ at most, and drag,
+/// 10⁻⁸ at most.
+const DISTURBANCE_N_M: f64 = 6e-9;
 /// It turns with the orbit: after half of 1/n it is another.
 const DISTURBANCE_LASTS_S: f64 = 500.0;
+/// At first the products of what is unknown (bias and rate, rate and tensor) are as large as what is learnt, and a
+/// filter that leaves them out believes itself too much. So what it learnt until now, s, is where it starts
+/// from, and counts a hundredth.
+const SETTLING_S: f64 = 150.0;
+const SETTLING_FACTOR: f64 = 10.0;
 /// A body turns by no more than this in a step of the integration, rad: its midpoint rule errs by 1/24 of
 /// the square.
 const MAX_TURN_RAD: f64 = 0.2;
-const FACTOR: f64 = 10.0;
-const WARM: [f64; 2] = [150.0, 1e9];
 const MAX_STEPS: u32 = 64;
 
 /// What is unknown beside M.
@@ -76,6 +83,7 @@ pub struct MomentumFit<T: RealField + Copy, const N: usize> {
     told: Inertia<T>,
     beside: Beside,
     noise: Noise<T>,
+    disturbance_n_m: T,
     running: bool,
     /// So far, s.
     lasted_s: T,
@@ -114,10 +122,7 @@ impl<T: RealField + Copy> MomentumFit<T, GAIN_UNKNOWNS> {
     ///
     /// # Errors
     /// [`IdentificationError::Inertia`].
-    pub fn gains(
-        inertia_kg_m2: [[T; 3]; 3],
-        noise: Noise<T>,
-    ) -> Result<Self, IdentificationError> {
+    pub fn gains(inertia_kg_m2: [[T; 3]; 3], noise: Noise<T>) -> Result<Self, IdentificationError> {
         Self::new(inertia_kg_m2, noise, Beside { tensor: false, gains: true })
     }
 }
@@ -177,7 +182,17 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         }
         let mut joint = Joint::new(unknown, sigma);
         joint.begin(BIAS, &Vector3::zeros(), number(PRIOR_BIAS_RAD_S));
-        Ok(Self { told, beside, noise, running: false, lasted_s: T::zero(), joint })
+        joint.begin(OFFSET, &Vector3::zeros(), noise.field_offset_t);
+        let disturbance_n_m = number(DISTURBANCE_N_M);
+        Ok(Self {
+            told,
+            beside,
+            noise,
+            disturbance_n_m,
+            running: false,
+            lasted_s: T::zero(),
+            joint,
+        })
     }
 
     /// With what is known of the gyro bias, rad/s, and its standard deviation: 1 deg/s about none when it is not
@@ -186,6 +201,14 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         let usable = bias_rad_s.iter().chain([&sigma_rad_s]).all(ComplexField::is_finite);
         if usable {
             self.joint.begin(BIAS, &bias_rad_s.into(), sigma_rad_s);
+        }
+        self
+    }
+
+    /// With so much acting besides, N·m, the mean square of an axis: 6·10⁻⁹ when it is not told.
+    pub fn with_disturbance(mut self, sigma_n_m: T) -> Self {
+        if sigma_n_m.is_finite() {
+            self.disturbance_n_m = sigma_n_m;
         }
         self
     }
@@ -204,16 +227,15 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         } else if let Some(field) = field {
             let joint = &mut self.joint;
             joint.begin(RATE, &(rate - joint.three(BIAS)), number(PRIOR_RATE_RAD_S));
-            joint.begin(FIELD, &field, self.noise.field_t);
+            joint.begin(FIELD, &(field - joint.three(OFFSET)), number(PRIOR_FIELD_T));
             joint.begin(CHANGE, &Vector3::zeros(), number(FIELD_CHANGE_T_S));
-            self.read(&[RATE, BIAS], &rate, self.noise.rate_rad_s);
+            joint.begin(TURN, &Vector3::zeros(), number(FIELD_TURN_RAD_S));
             self.running = true;
-            return;
         }
         if self.running {
             self.read(&[RATE, BIAS], &rate, self.noise.rate_rad_s);
             if let Some(field) = field {
-                self.read(&[FIELD], &field, self.noise.field_t);
+                self.read(&[FIELD, OFFSET], &field, self.noise.field_t);
             }
         }
     }
@@ -240,9 +262,9 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         }
         let before = self.lasted_s;
         self.lasted_s += dt_s;
-        for at in WARM {
-            let at = number(at);
-            if before < at && self.lasted_s >= at { self.joint.forget(number(FACTOR)); }
+        let settling = number(SETTLING_S);
+        if before < settling && self.lasted_s >= settling {
+            self.joint.forget(number(SETTLING_FACTOR));
         }
     }
 
@@ -281,13 +303,15 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         let joint = &mut self.joint;
         let [rate, field, change] = [RATE, FIELD, CHANGE].map(|first| joint.three(first));
         let mid_rate = rate + acceleration(&rate, &field) * half;
-        let motion = Motion::new(&mid_rate, dt, number(FIELD_CHANGE_T_S));
+        let turn = joint.three(TURN);
+        let motion = Motion::new(&(mid_rate - turn), dt, number(FIELD_CHANGE_T_S));
         let mid_field = motion.half_turn * (field + change * half);
         let slope = acceleration(&mid_rate, &mid_field);
         let (field, change) = motion.carry(&field, &change);
         joint.put(RATE, &(rate + slope * dt));
         joint.put(FIELD, &field);
         joint.put(CHANGE, &change);
+        joint.put(TURN, &(motion.turn * turn));
 
         // ∂ω̇/∂ω = J⁻¹ ((J ω)× − ω× J)
         let spin = mid_rate.cross_matrix();
@@ -296,17 +320,16 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         let mut put = |row: usize, column: usize, block: Matrix3<T>| {
             of_state.fixed_view_mut::<3, 3>(row, column).copy_from(&block);
         };
-        put(
-            RATE,
-            RATE,
-            Matrix3::identity() + stiffness + stiffness * stiffness * number::<T>(0.5),
-        );
+        put(RATE, RATE, Matrix3::identity() + stiffness + stiffness * stiffness * number::<T>(0.5));
         put(RATE, FIELD, inverse * driven.cross_matrix() * motion.half_turn * dt);
         put(FIELD, RATE, motion.of_rate(&field));
         put(FIELD, FIELD, motion.turn);
         put(FIELD, CHANGE, motion.of_change());
+        put(FIELD, TURN, -motion.of_rate(&field));
         put(CHANGE, RATE, motion.of_rate(&change));
         put(CHANGE, CHANGE, motion.turn * motion.lasting);
+        put(TURN, RATE, motion.of_rate(&joint.three(TURN)));
+        put(TURN, TURN, motion.turn);
 
         let of_dipole = inverse * of_unit_dipoles(&mid_field) * dt;
         let of_unknown = self.of_unknowns(&inverse, &mid_rate, &slope, &of_dipole, commanded, dt);
@@ -315,7 +338,8 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         let mut put = |at: usize, block: Matrix3<T>| {
             noise.fixed_view_mut::<3, 3>(at, at).copy_from(&block);
         };
-        let power: T = number(2.0 * DISTURBANCE_LASTS_S * DISTURBANCE_N_M * DISTURBANCE_N_M);
+        // White noise of the power that a torque of such a duration has at low frequencies.
+        let power = self.disturbance_n_m * self.disturbance_n_m * number(2.0 * DISTURBANCE_LASTS_S);
         put(RATE, inverse * inverse.transpose() * (power * dt));
         put(CHANGE, Matrix3::from_diagonal_element(motion.renewed));
         put(BIAS, Matrix3::from_diagonal_element(number::<T>(BIAS_WALK * BIAS_WALK) * dt));
@@ -355,6 +379,10 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
     /// # Errors
     /// [`IdentificationError`]: what the record does not support.
     pub fn solve(&self) -> Result<Solution<T, N>, IdentificationError> {
+        if self.lasted_s < number(SETTLING_S) {
+            let (found_s, needed_s) = (shown(self.lasted_s), SETTLING_S as f32);
+            return Err(IdentificationError::TooBrief { found_s, needed_s });
+        }
         self.joint.solve(self.noise.rate_rad_s)
     }
 }

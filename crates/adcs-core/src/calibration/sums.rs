@@ -40,7 +40,7 @@ use super::gauss_newton::{answering, supported};
 use super::moments::{OF_FOUR, OF_SIX, OF_TWO, monomials, squares, times};
 use super::parameters::{Correction, Parameters};
 use super::quadratic::{ByNoise, Quadratic, monomial_slopes, noise_gain};
-use super::symmetric::Spectrum;
+use super::symmetric::{Spectrum, sigmas};
 use super::twostep::first_step;
 use super::{DataSheet, Sample, number, shown};
 
@@ -87,7 +87,7 @@ pub struct Recursive<T: RealField + Copy, const N: usize> {
 impl<T: RealField + Copy, const N: usize> Recursive<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> Parameters<T, N> {
-        Parameters(self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+        Parameters(sigmas(&self.covariance))
     }
 
     /// What the flight software takes behind a driver that turns readings into field by this data sheet,

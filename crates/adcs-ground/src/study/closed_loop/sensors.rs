@@ -52,11 +52,13 @@ impl Sensors {
     ) -> Result<Self> {
         let sun = parameters.sun_sensors.as_ref().map(|known| {
             let Conditions { sun_noise_rad: noise_rad, albedo, .. } = *conditions;
-            let mut truth = SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
+            let mut truth =
+                SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
             let turn: Rotation<Body, Body, f64> =
                 Rotation::from_hamilton(UnitQuaternion::from_scaled_axis(flaws.sun_turn));
             for face in &mut truth.faces {
-                let told = Rotation::<Body, Body, f64>::from_attitude_quaternion(face.alignment_xyzw);
+                let told =
+                    Rotation::<Body, Body, f64>::from_attitude_quaternion(face.alignment_xyzw);
                 let told = told.unwrap_or_else(Rotation::identity);
                 face.alignment_xyzw = (turn * told).attitude_quaternion();
             }

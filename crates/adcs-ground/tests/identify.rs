@@ -149,7 +149,7 @@ fn what_cannot_be_read_is_said() {
         (&["-"][..], "a,b\n", "--inertia"),
         (&["-", "--inertia", "1,1,3"], "a,b\n", "no body has the principal moments"),
         (&["-", "--inertia", INERTIA], "a,b\n", "no column gyro_x_deg_s"),
-        (&["-", "--inertia", INERTIA, "--segment-s", "0"], &table(0.0), "an interval of 0 s"),
+        (&["-", "--inertia", INERTIA, "--field-noise-nt", "x"], &table(0.0), "--field-noise-nt"),
     ] {
         let output = identify(arguments, input);
         assert_eq!(output.status.code(), Some(2), "{reason}");

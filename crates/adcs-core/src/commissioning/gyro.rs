@@ -4,11 +4,8 @@ use super::findings::{Finding, Three};
 use super::ladder::{Judged, Seen};
 use super::parameters::CommissioningParameters;
 use crate::frames::{Eci, Vector};
+use crate::identification::Noise;
 use crate::identification::gyro::GyroBias;
-
-/// Between two readings that are compared, s: long enough for a bias of 0.05 deg/s to turn a field by
-/// its noise, and short enough for the gyros' noise not to do so.
-const INTERVAL_S: f32 = 10.0;
 
 /// The sums.
 #[derive(Debug, Clone, Copy)]
@@ -19,13 +16,13 @@ pub(super) struct Gyro {
 
 impl Gyro {
     pub fn new() -> Option<Self> {
-        Some(Self { sums: GyroBias::constant(INTERVAL_S).ok()?, last_reference: None })
+        Some(Self { sums: GyroBias::constant(Noise::default()), last_reference: None })
     }
 
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
         let recorded = instant.recorded(seen.quiet_field(), [0.0; 3]);
-        self.sums.add(&recorded, 0.0);
+        self.sums.add(&recorded, 0.0, None);
     }
 
     pub fn judged(&self, p: &CommissioningParameters) -> Judged {

@@ -3,11 +3,8 @@
 use super::findings::{Finding, InertiaFound, Rung, Three, worst};
 use super::ladder::{Judged, Seen};
 use super::parameters::CommissioningParameters;
-use crate::identification::Solution;
 use crate::identification::momentum::{MomentumFit, RATIO_UNKNOWNS};
-
-/// A segment of the balance, s (docs/identification).
-const SEGMENT_S: f32 = 300.0;
+use crate::identification::{Noise, Solution};
 
 /// The sums.
 #[derive(Debug, Clone, Copy)]
@@ -19,7 +16,7 @@ pub(super) struct Momentum {
 impl Momentum {
     pub fn new(inertia_kg_m2: [[f32; 3]; 3]) -> Option<Self> {
         let [[xx, ..], [_, yy, _], [.., zz]] = inertia_kg_m2;
-        let sums = MomentumFit::ratios(inertia_kg_m2, SEGMENT_S).ok()?;
+        let sums = MomentumFit::ratios(inertia_kg_m2, Noise::default()).ok()?;
         Some(Self { sums, mean_moment: (xx + yy + zz) / 3.0 })
     }
 

@@ -262,6 +262,7 @@ impl ModesParameters {
                 noise: Noise {
                     rate_rad_s: polarity.gyro_noise_rad_s,
                     field_t: polarity.field_noise_t,
+                    ..Noise::default()
                 },
                 settle_s,
             };

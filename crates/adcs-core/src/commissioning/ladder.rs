@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupling;
-use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall};
+use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall, worst};
 use super::gyro::Gyro;
 use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
@@ -209,14 +209,18 @@ impl Ladder {
         if rests_on.iter().any(|rung| !state.findings.passed(*rung)) {
             return failed(Shortfall::RestsOnFailed);
         }
+        // What the calibration leaves, its own σ says.
+        let left = state.findings.magnetometer.map(|found| worst(&found.bias_t.sigma));
+        let field_offset_t = left.unwrap_or(self.told.noise.field_offset_t);
+        let noise = Noise { field_offset_t, ..self.told.noise };
         let work = match rung {
             Rung::Magnetometer => Magnetometer::new().map(Work::Magnetometer),
             Rung::Polarity => Some(Work::Polarity(CheckState::default())),
-            Rung::Coupling => Some(Work::Coupling(Coupling::new(self.told.noise))),
-            Rung::Gyro => Gyro::new().map(Work::Gyro),
+            Rung::Coupling => Some(Work::Coupling(Coupling::new(noise))),
+            Rung::Gyro => Some(Work::Gyro(Gyro::new(noise))),
             Rung::Sun => Some(Work::Sun(Sun::default())),
             Rung::Dipole | Rung::Inertia => {
-                Momentum::new(self.told.inertia_kg_m2).map(Work::Momentum)
+                Momentum::new(self.told.inertia_kg_m2, noise).map(Work::Momentum)
             }
         };
         let Some(work) = work else { return failed(Shortfall::NotSupported) };

@@ -159,7 +159,7 @@ impl ActiveCheck {
         let (gyro, field) = (inputs.rate(), inputs.field());
         state.seen_rate |= gyro.is_some();
         state.seen_field |= field.is_some();
-        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring);
+        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring, 0.0);
         let wiring = state.assumed.unwrap_or(SignedPermutation::IDENTITY);
         let dipole = inputs.dipole();
         let back = wiring.inverse();
@@ -191,7 +191,7 @@ impl ActiveCheck {
         if state.rounds < FEWEST_ROUNDS {
             return None;
         }
-        let response = state.gyro_put_right.evidence()?;
+        let response = state.gyro_put_right.evidence(true)?;
         if assumed == SignedPermutation::IDENTITY {
             let report = match response.best {
                 SignedPermutation::IDENTITY => CheckReport::Sound,
@@ -202,7 +202,7 @@ impl ActiveCheck {
             };
             return (response.lead >= KNOWN).then_some(report);
         }
-        let other = state.magnetometer_put_right.evidence()?;
+        let other = state.magnetometer_put_right.evidence(true)?;
         gyro_or_magnetometer(assumed, &response, &other).map(CheckReport::Wrong)
     }
 

@@ -1,5 +1,6 @@
 //! The ladder itself: from rung to rung.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupling;
@@ -11,7 +12,7 @@ use super::parameters::{CommissioningError, CommissioningParameters, Commit, Ste
 use super::sun::Sun;
 use super::track::{Instant, Track, finite};
 use super::{Witnessed, track};
-use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Vector};
+use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Rotation, Vector};
 use crate::identification::Noise;
 use crate::polarity::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep};
 use crate::reading::{MissingReason, Reading};
@@ -166,7 +167,7 @@ impl Ladder {
             rests: passed.rests,
             instant: passed.instant,
             reference_field: witnessed.reference_field.filter(Vector::is_finite),
-            sun: witnessed.sun.zip(witnessed.reference_sun),
+            sun: witnessed.sun.map(|sun| turned(sun, &state.findings)).zip(witnessed.reference_sun),
             gyro_bias: state.findings.gyro.map_or([0.0; 3], |gyro| gyro.value),
         };
         state.work.see(&seen);
@@ -326,9 +327,18 @@ impl Seen {
     }
 
     /// Coarse attitude from field and Sun.
-    pub fn attitude(&self) -> Option<crate::frames::Rotation<Body, Eci>> {
+    pub fn attitude(&self) -> Option<Rotation<Body, Eci>> {
         track::attitude((self.quiet_field()?, self.reference_field?), self.sun?)
     }
+}
+
+/// Where the Sun is seen, by the turn that the ladder found.
+fn turned(sun: Direction<Body>, findings: &Findings) -> Direction<Body> {
+    let turn = findings.sun.filter(|_| findings.passed(Rung::Sun));
+    turn.map_or(sun, |turn| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn.value));
+        Rotation::<Body, Body>::from_hamilton(turn) * sun
+    })
 }
 
 fn wired(report: CheckReport) -> Outcome {

@@ -68,6 +68,7 @@ pub fn cause_words(cause: Cause) -> String {
         Cause::Silent(Sensor::Gyro) => "gyro silent",
         Cause::Silent(Sensor::Magnetometer) => "magnetometer silent",
         Cause::Silent(Sensor::SunSensors) => "Sun sensors silent",
+        Cause::TorquersRefuse => "torquers refuse",
         Cause::RateGrows => "rate grows",
         Cause::ErrorGrows => "pointing error grows",
         Cause::TooLong => "time limit",

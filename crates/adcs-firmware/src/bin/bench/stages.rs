@@ -6,7 +6,7 @@ use adcs_app::FlightApp;
 use adcs_core::{
     attitude::{
         Method, Observation,
-        dynamic::{DynamicFilter, DynamicInputs, DynamicParameters},
+        dynamic::{Blocks, DynamicFilter, DynamicInputs, DynamicParameters, DynamicState},
         mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
         selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
@@ -28,7 +28,9 @@ use adcs_core::{
     orbit::OrbitModel,
     pipeline::{Law, Pointing, State},
     planning::{Models, PlanningState},
+    polarity::{Guard, GuardInputs, GuardState, PolarityParameters},
     reading::{MissingReason, Reading},
+    schedule::Phase,
     sensing::{Expected, SunFaces, SunFacesParameters},
     time::{LeapSeconds, Utc, gmst82_rad},
 };
@@ -59,6 +61,8 @@ pub fn run(counter: &Counter) {
     attitude(counter);
     kinematic(counter);
     dynamic(counter);
+    blocks(counter);
+    guard(counter);
     pointing(counter);
     planning(counter);
     calibration(counter);
@@ -228,6 +232,72 @@ fn dynamic(counter: &Counter) {
         let outcome = estimator.cycle(&mut state, &all);
         (state, outcome)
     });
+}
+
+/// A cycle of the dynamics-aided filter without optional states, with each kind of them by itself, and
+/// with all; and what the filter remembers, whichever of them fly.
+#[inline(never)]
+fn blocks(counter: &Counter) {
+    let stage = Stage { counter };
+    for (name, blocks) in [
+        ("dynamic_none", Blocks::NONE),
+        ("dynamic_inertia", Blocks { inertia: true, ..Blocks::NONE }),
+        ("dynamic_torque", Blocks { torque: true, ..Blocks::NONE }),
+        ("dynamic_shadow", Blocks { shadow: true, ..Blocks::NONE }),
+        ("dynamic_field_bias", Blocks { field_bias: true, ..Blocks::NONE }),
+        ("dynamic_all", Blocks::ALL),
+    ] {
+        let dynamics = DynamicParameters { blocks, ..DynamicParameters::default() };
+        let parameters = EstimatorParameters::<f32> { dynamics, flies: Flies::Both };
+        let estimator = Estimator::new(&parameters).expect("accepted");
+        let filter = DynamicFilter::new(&parameters.dynamics).expect("accepted");
+        let (gyro, field, sun) = sensed();
+        let inputs = DynamicInputs {
+            sensors: Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) },
+            reference_field: Some(field.eci),
+            position: Some(Vector::new(6.9e6, 1e6, 5e5)),
+            torquer_dipole: Vector::new(0.1, -0.2, 0.05),
+            sunlit: Some(true),
+        };
+        let mut state = EstimatorState::default();
+        for _ in 0..3 {
+            estimator.cycle(&mut state, &inputs);
+        }
+        let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+        stage.count(name, state, |mut state| {
+            let outcome = filter.cycle(&mut state.dynamic, &inputs, &nothing);
+            (state, outcome)
+        });
+    }
+    eprintln!("bytes dynamic_state {}", size_of::<DynamicState<f32>>());
+}
+
+/// The polarity guard at the end of a rest, with gyro and field, while the torquers are told something.
+#[inline(never)]
+fn guard(counter: &Counter) {
+    let guard = Guard::new(&PolarityParameters::default()).expect("accepted");
+    let start = Utc::from_micros_since_2000(500_000_000_000_000);
+    let (omega_bi, field, _) = sensed();
+    let at = |cycle: i64| GuardInputs {
+        now: start.plus_micros(cycle * 500_000),
+        phase: if cycle % 25 == 0 { Phase::Measuring } else { Phase::Acting },
+        omega_bi,
+        field_b: if cycle % 25 == 0 {
+            Reading::Fresh(field.body)
+        } else {
+            Reading::Missing(MissingReason::TorquersOn)
+        },
+        carried: Vector::new(0.1, -0.2, 0.05),
+    };
+    let mut state = GuardState::default();
+    for cycle in 0..50 {
+        guard.cycle(&mut state, &at(cycle), true);
+    }
+    for (name, cycle) in [("guard_round", 50), ("guard_cycle", 51)] {
+        let inputs = black_box(at(cycle));
+        print(name, counter.count(|| guard.cycle(&mut state, &inputs, true)));
+    }
+    eprintln!("bytes guard_state {}", size_of::<GuardState>());
 }
 
 const INERTIA: [[f32; 3]; 3] = [[0.05, 0.0, 0.0], [0.0, 0.055, 0.0], [0.0, 0.0, 0.06]];

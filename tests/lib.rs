@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use adcs_core::commissioning::{CommissioningParameters, StepTime};
 use adcs_ground::mission::{self, Mission};
 use adcs_hal::fault::Fault;
 use adcs_link::{CycleRecord, Message, TruthRecord};
@@ -127,4 +128,29 @@ impl Row<'_> {
     pub fn numbers<const N: usize>(&self, columns: [&str; N]) -> [f64; N] {
         columns.map(|column| self.number(column))
     }
+}
+
+/// The mission `sprout/commissioning` with rungs of minutes and gates that these pass.
+pub fn brief_commissioning() -> Scenario {
+    let mut scenario = mission("sprout/commissioning").scenario;
+    let modes = scenario.flight.modes.as_mut().expect("the mission has modes");
+    let ladder = modes.commissioning.as_mut().expect("the mission has a ladder");
+    let brief = |least_s| StepTime { least_s, most_s: 600.0 };
+    *ladder = CommissioningParameters {
+        magnetometer: brief(200.0),
+        coupling: brief(60.0),
+        gyro: brief(100.0),
+        sun: brief(60.0),
+        momentum: brief(200.0),
+        scale_sigma: 0.05,
+        bias_sigma_t: 2e-6,
+        coupling_sigma_t_per_am2: 1e-5,
+        gyro_sigma_rad_s: 0.01,
+        sun_sigma_rad: 0.05,
+        dipole_sigma_am2: 0.2,
+        inertia_sigma: 0.2,
+        ..*ladder
+    };
+    scenario.cycles = 2_800;
+    scenario
 }

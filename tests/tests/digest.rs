@@ -14,7 +14,7 @@ use adcs_core::pipeline::ControlStatus;
 use adcs_ground::emulator::Emulator;
 use adcs_ground::flight::Patient;
 use adcs_sim::scenario::{Order, Scenario, TimedCommand};
-use adcs_tests::{fly, mission};
+use adcs_tests::{brief_commissioning, fly, mission};
 
 fn digests(name: &str) -> (u64, u64) {
     digests_of(name, mission(name).scenario)
@@ -108,5 +108,17 @@ fn ten_minutes_of_all_modes_and_targets_have_the_same_bits_on_the_emulated_core(
     let entered = fly(&scenario).records.iter().filter_map(|it| it.mode?.transition).count();
     assert!(entered >= 5, "only {entered} transitions");
     let (host, emulated) = digests_of("all-modes", scenario);
+    assert_eq!(host, emulated);
+}
+
+#[test]
+fn twenty_minutes_of_commissioning_have_the_same_bits_on_the_emulated_core() {
+    // Every rung, the commit, and the filters that begin anew with it.
+    let scenario = brief_commissioning();
+    let flown = fly(&scenario);
+    let rungs = flown.records.iter().filter(|it| it.commissioning.is_some_and(|it| it.ended.is_some()));
+    assert_eq!(rungs.count(), adcs_core::commissioning::RUNGS);
+    assert!(flown.records.iter().any(|it| it.committed));
+    let (host, emulated) = digests_of("commissioning", scenario);
     assert_eq!(host, emulated);
 }

@@ -48,6 +48,16 @@ fn from_separation_to_nadir_without_a_command() {
 /// A satellite in this mode, with a sensor that fails after 1000 s. A slow turn, so that every mode could
 /// go on.
 fn failing(mode: Mode, sensor: Sensor, kind: fn(SensorAxis) -> FaultKind) -> Flight {
+    let axes = match sensor {
+        Sensor::Gyro => (0..3).map(SensorAxis::Gyro).collect::<Vec<_>>(),
+        Sensor::Magnetometer => (0..3).map(SensorAxis::Magnetometer).collect(),
+        Sensor::SunSensors => (0..6).map(SensorAxis::SunFace).collect(),
+    };
+    failing_with(mode, &axes.into_iter().map(kind).collect::<Vec<_>>())
+}
+
+/// The same with these faults.
+fn failing_with(mode: Mode, kinds: &[FaultKind]) -> Flight {
     const FAILS_AT_S: u32 = 1_000;
     let mut scenario = mission("sprout/separation-to-nadir").scenario;
     scenario.world.omega_bi_rad_s = [0.004, -0.006, 0.002];
@@ -64,17 +74,12 @@ fn failing(mode: Mode, sensor: Sensor, kind: fn(SensorAxis) -> FaultKind) -> Fli
     scenario.commands[0] = Some(TimedCommand { cycle: 10 * CYCLES_A_SECOND, order: Order::Enter(Mode::Acquire) });
     scenario.commands[1] = Some(entered);
     scenario.cycles = 2_000 * CYCLES_A_SECOND;
-    let axes = match sensor {
-        Sensor::Gyro => (0..3).map(SensorAxis::Gyro).collect::<Vec<_>>(),
-        Sensor::Magnetometer => (0..3).map(SensorAxis::Magnetometer).collect(),
-        Sensor::SunSensors => (0..6).map(SensorAxis::SunFace).collect(),
-    };
-    let fault = |axis| Fault {
+    let fault = |kind: &FaultKind| Fault {
         first_cycle: FAILS_AT_S * CYCLES_A_SECOND,
         last_cycle: u32::MAX,
-        kind: kind(axis),
+        kind: *kind,
     };
-    fly_with_faults(&scenario, &axes.into_iter().map(fault).collect::<Vec<_>>())
+    fly_with_faults(&scenario, &kinds.iter().map(fault).collect::<Vec<_>>())
 }
 
 fn bus(axis: SensorAxis) -> FaultKind {
@@ -102,6 +107,18 @@ fn each_sensor_that_fails_in_each_mode_ends_in_safety_with_its_reason() {
             assert!(since.clone().count() > 700, "some minutes of them");
             assert!(since.clone().all(|it| it.commanded_am2 == [0.0; 3]), "{mode} {sensor:?}");
         }
+    }
+}
+
+#[test]
+fn torquers_that_refuse_end_despin_and_pointing_in_safety() {
+    for mode in [Mode::Detumble, Mode::Point] {
+        let flight = failing_with(mode, &[FaultKind::TorquerRefuses { axis: 1 }]);
+        let all = transitions(&flight);
+        let Some((at_s, last)) = all.last() else { panic!("{mode}: none") };
+        assert_eq!((last.from, last.to, last.cause), (mode, Mode::Safe, Cause::TorquersRefuse));
+        // Refused from the cycle of 1000 s on, known in the next, for a minute.
+        assert!((1_060.0..=1_062.0).contains(at_s), "{mode}: {at_s}");
     }
 }
 

@@ -46,6 +46,8 @@ pub struct FlightApp<'a, B> {
     state: &'a mut State,
     /// What the torquers carry since the last cycle, A·m².
     carried: Vector<TorquerAxes>,
+    /// Whether they refused their last command.
+    refused: bool,
     commanded: Option<Mode>,
     /// Whether commissioning's results have been put in force since the last cycle.
     committed: bool,
@@ -73,6 +75,7 @@ impl<'a, B: Board> FlightApp<'a, B> {
             configuration,
             state,
             carried: Vector::zero(),
+            refused: false,
             commanded: None,
             committed: false,
             next_cycle: 0,
@@ -86,6 +89,7 @@ impl<'a, B: Board> FlightApp<'a, B> {
         let inputs = self.sense();
         let thoughts = pipeline::cycle(&self.configuration, self.state, &inputs);
         let driven = self.board.drive(thoughts.command.dipole);
+        self.refused = driven.is_err();
         // A board that refuses has switched off.
         self.carried = driven.unwrap_or(Vector::zero());
         let driven_am2 = driven.ok().map(|dipole| dipole.to_array());
@@ -189,8 +193,8 @@ impl<'a, B: Board> FlightApp<'a, B> {
         let field_t = field_t.map(|axis| finite(axis, |field| field.is_finite()));
         let all_finite = |currents: &[f32; 4]| currents.iter().all(|current| current.is_finite());
         let sun_a = sun_a.map(|face| finite(face, all_finite));
-        let (carried, commanded) = (self.carried, self.commanded.take());
-        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried, commanded }
+        let (carried, refused, commanded) = (self.carried, self.refused, self.commanded.take());
+        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried, refused, commanded }
     }
 
     fn count(&mut self, record: &CycleRecord) {

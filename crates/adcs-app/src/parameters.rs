@@ -14,6 +14,7 @@ use adcs_core::control::feed_forward::{FeedForward, SigmaError};
 use adcs_core::control::guidance::{AimError, Guidance, GuidanceParameters};
 use adcs_core::control::periodic::{PeriodicError, PeriodicLaw, PeriodicParameters};
 use adcs_core::environment::sun_track::SunTrack;
+use adcs_core::identification::Noise;
 use adcs_core::modes::{Flown, ModeError, ModeParameters, ModeTable, Modes, Polarity};
 use adcs_core::orbit::OrbitModel;
 use adcs_core::orbit::interpolated::InterpolatedOrbit;
@@ -254,9 +255,18 @@ impl ModesParameters {
             Ok(Polarity { guard: Guard::new(parameters)?, check: ActiveCheck::new(parameters)? })
         });
         let polarity = polarity.transpose().map_err(ParameterError::Polarity)?;
-        let inertia = self.polarity.map(|polarity| polarity.inertia_kg_m2);
-        let ladder = self.commissioning.as_ref().zip(inertia).map(|(parameters, inertia_kg_m2)| {
-            Ladder::new(parameters, &Told { magnetometer: *magnetometer, inertia_kg_m2, settle_s })
+        let ladder = self.commissioning.as_ref().zip(self.polarity).map(|(parameters, polarity)| {
+            let told = Told {
+                magnetometer: *magnetometer,
+                inertia_kg_m2: polarity.inertia_kg_m2,
+                noise: Noise {
+                    rate_rad_s: polarity.gyro_noise_rad_s,
+                    field_t: polarity.field_noise_t,
+                    ..Noise::default()
+                },
+                settle_s,
+            };
+            Ladder::new(parameters, &told)
         });
         let ladder = ladder.transpose().map_err(ParameterError::Commissioning)?;
         Ok(Modes { table, despin, acquire, experiment, polarity, ladder })

@@ -77,6 +77,8 @@ pub struct Inputs {
     pub sun_a: [Reading<[f32; 4]>; FACES],
     /// What the torquers carried since the last cycle, A·m².
     pub carried: Vector<TorquerAxes>,
+    /// Whether the torquers refused what they were told then; they are off when they do.
+    pub refused: bool,
     /// A mode that the ground asks for.
     pub commanded: Option<Mode>,
 }
@@ -161,6 +163,7 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
         reference_field,
         reference_sun,
         carried,
+        obey: !inputs.refused,
     };
     let mode = configuration.modes.as_ref().map(|modes| {
         let error = state.steering.error_rad();
@@ -342,8 +345,9 @@ mod tests {
         let now = Utc::from_micros_since_2000(0);
         let mut sun_a = [Reading::Fresh([0.0; 4]); FACES];
         sun_a[2] = Reading::Fresh([40e-6; 4]);
-        let (carried, commanded) = (Vector::zero(), None);
-        Inputs { now, phase, rate_rad_s: RATE_RAD_S, field_t: FIELD_T, sun_a, carried, commanded }
+        let (carried, refused, commanded) = (Vector::zero(), false, None);
+        let (rate_rad_s, field_t) = (RATE_RAD_S, FIELD_T);
+        Inputs { now, phase, rate_rad_s, field_t, sun_a, carried, refused, commanded }
     }
 
     #[test]

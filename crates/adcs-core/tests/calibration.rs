@@ -1,8 +1,8 @@
 //! Magnetometer calibration against optima of independent solvers, random magnetometers, and nonsense.
 
 use adcs_core::calibration::{
-    Calibration, CalibrationError, DataSheet, MAX_CONDITION, MIN_SAMPLES, Sample, Start, Unknown,
-    calibrate, norm_error,
+    Calibration, CalibrationError, DataSheet, MAX_CONDITION, MIN_SAMPLES, Sample, Start, Sums,
+    Unknown, calibrate, norm_error,
 };
 use nalgebra::{RealField, Vector3, convert};
 use proptest::prelude::*;
@@ -429,21 +429,55 @@ proptest! {
     }
 }
 
-#[test]
-fn the_emulated_core_finds_these_bits() {
-    // The counting image (adcs-firmware, bench) calibrates the same readings and compares.
-    const CALIBRATED_BITS: [u32; 6] =
-        [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
-    let samples = (0..100_u32).map(|k| {
+/// What the counting image (adcs-firmware, bench) calibrates.
+fn readings_of_the_bench() -> impl Iterator<Item = Sample<f32>> + Clone {
+    (0..100_u32).map(|k| {
         let [x, y, z] = [k * 7 % 11, k * 5 % 13, k * 3 % 7].map(|step| step as f32);
         let [x, y, z] = [x - 4.5, y - 5.5, z - 3.5].map(|step| step * 6e-6);
         Sample {
             reading: [(x - 1e-5) / 0.9, (y + 8e-6) / 1.1, (z - 5e-6) / 1.2],
             intensity: Vector3::new(x, y, z).norm(),
         }
-    });
-    let start = Start::DataSheet(DataSheet { sensitivity: 1.0, zero: 0.0 });
-    let found = calibrate(samples.clone(), &start).unwrap();
+    })
+}
+
+const BENCH_SHEET: DataSheet<f32> = DataSheet { sensitivity: 1.0, zero: 0.0 };
+
+#[test]
+fn the_emulated_core_finds_these_bits_from_sums() {
+    /// Of f32 against f64: roundings of sums of 100 terms of the fourth degree, and a condition of some ten.
+    const SUMS_SCALE: f64 = 1e-5;
+    const SUMS_BIAS_NT: f64 = 0.3;
+    // The counting image compares.
+    const CHOSEN_BITS: [[u32; 3]; 2] =
+        [[0x3f666663, 0x3f8ccccf, 0x3f9999a2], [0xb727c5aa, 0x370637c4, 0xb6a7c5cd]];
+    let mut sums = Sums::new(BENCH_SHEET, 3e-5).unwrap();
+    readings_of_the_bench().for_each(|sample| sums.add(sample).unwrap());
+    let chosen = sums.chosen().unwrap();
+    let (found, _) = chosen.correction(BENCH_SHEET);
+    let bits = [found.scale, found.bias].map(|three| three.map(f32::to_bits));
+    assert_eq!(bits, CHOSEN_BITS);
+    // And f64, the ground, agrees within what f32 leaves of the sums.
+    let mut wide = Sums::new(DataSheet { sensitivity: 1.0, zero: 0.0 }, 3e-5).unwrap();
+    for Sample { reading, intensity } in readings_of_the_bench() {
+        let reading = reading.map(f64::from);
+        wide.add(Sample { reading, intensity: f64::from(intensity) }).unwrap();
+    }
+    let ground = wide.chosen().unwrap().parameters;
+    for (found, ground) in chosen.parameters.0.iter().zip(ground.0.iter()) {
+        let error = f64::from(*found) - ground;
+        let bound = if ground.abs() > 0.1 { SUMS_SCALE } else { SUMS_BIAS_NT * 1e-9 };
+        assert!(error.abs() < bound, "{found}: {error}");
+    }
+}
+
+#[test]
+fn the_emulated_core_finds_these_bits() {
+    // The counting image compares.
+    const CALIBRATED_BITS: [u32; 6] =
+        [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
+    let samples = readings_of_the_bench();
+    let found = calibrate(samples.clone(), &Start::DataSheet(BENCH_SHEET)).unwrap();
     let [s_x, s_y, s_z] = found.scale.map(f32::to_bits);
     let [b_x, b_y, b_z] = found.bias.map(f32::to_bits);
     assert_eq!([s_x, s_y, s_z, b_x, b_y, b_z], CALIBRATED_BITS);

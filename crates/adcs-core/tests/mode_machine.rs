@@ -1,5 +1,6 @@
 //! The mode machine alone, with sights made by hand.
 
+use adcs_core::commissioning::Witnessed;
 use adcs_core::control::b_dot::{BDot, BDotGain};
 use adcs_core::frames::{Body, Vector};
 use adcs_core::modes::{
@@ -7,7 +8,6 @@ use adcs_core::modes::{
     Sensor, Sight, Transition,
 };
 use adcs_core::pipeline::{Law, RateFrom, Steering};
-use adcs_core::commissioning::Witnessed;
 use adcs_core::polarity::{ActiveCheck, Guard, GuardInputs, PolarityParameters, Undecided};
 use adcs_core::reading::{MissingReason, Reading};
 use adcs_core::schedule::{Phase, Round, Schedule, ScheduleParameters};
@@ -87,6 +87,7 @@ impl Flight {
             gyro_speaks: true,
             magnetometer_speaks: None,
             sun_speaks: true,
+            torquers_obey: true,
             attitude_sigma_rad: Some(0.2 * DEG),
             filtered: true,
             dipole_sigma_am2: Some(0.005),
@@ -232,6 +233,30 @@ fn a_sensor_that_fails_in_a_mode_without_torquers_keeps_it_there() {
 }
 
 #[test]
+fn torquers_that_refuse_end_every_mode_with_torquers_in_safety_until_they_obey() {
+    for mode in [Mode::Detumble, Mode::Acquire, Mode::Point, Mode::Experiment] {
+        let mut flight = Flight::within(mode, |p| {
+            p.actuator_gap_s = 90.0;
+            p.trusted_for_s = 20_000.0;
+            p.experiment_s = 1e5;
+        });
+        flight.turns_at(1.5);
+        let failed = flight.seconds();
+        flight.sight.torquers_obey = false;
+        flight.fly(1_000.0);
+        assert_eq!(flight.causes(), [(Mode::Safe, Cause::TorquersRefuse)], "{mode}");
+        let after = flight.transitions[0].0 - failed;
+        assert!((89.0..=91.0).contains(&after), "{mode}: {after}");
+        // There it stays for as long as they refuse, and for its time after that.
+        flight.sight.torquers_obey = true;
+        let again = flight.seconds();
+        flight.fly(400.0);
+        assert_eq!(flight.causes()[1], (Mode::Detumble, Cause::Recovered), "{mode}");
+        assert!((flight.transitions[1].0 - again - 300.0).abs() <= 1.0, "{mode}");
+    }
+}
+
+#[test]
 fn blind_sun_sensors_do_not_stop_the_despin_but_what_comes_after_it() {
     let mut flight = Flight::new(machine(|_| {}));
     flight.turns_at(8.0);
@@ -255,11 +280,13 @@ fn short_gaps_are_ridden_out() {
             flight.sight.gyro_speaks = false;
             flight.magnetometer = false;
             flight.sight.sun_speaks = false;
+            flight.sight.torquers_obey = false;
             flight.sight.attitude_sigma_rad = None;
             flight.fly(50.0);
             flight.sight.gyro_speaks = true;
             flight.magnetometer = true;
             flight.sight.sun_speaks = true;
+            flight.sight.torquers_obey = true;
             flight.sight.attitude_sigma_rad = Some(0.01);
             flight.fly(20.0);
         }
@@ -496,6 +523,7 @@ proptest! {
                 gyro_speaks,
                 magnetometer_speaks: Some(magnetometer),
                 sun_speaks,
+                torquers_obey: true,
                 attitude_sigma_rad: sigma,
                 filtered,
                 dipole_sigma_am2: error,

@@ -1,9 +1,11 @@
 //! Guard and active check against the flight code in a closed loop; `adcs study polarity` is the same with
 //! all wirings.
 
+use adcs_core::modes::Cause;
 use adcs_core::polarity::{CheckReport, PolarityParameters, Suspect};
 use adcs_ground::study::campaign::fly_all;
-use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling};
+use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling, StartingRate};
+use adcs_ground::study::polarity::pointing::{fly_pointing, turned_round};
 use adcs_ground::study::polarity::{
     CheckFigures, Checked, GuardFigures, Guarded, conditions, faults, fly_check, fly_guarded,
 };
@@ -68,6 +70,20 @@ fn a_satellite_that_is_wired_well_is_found_to_be_so() {
     let checks = fly_all(20, |seed| fly_check(&with(None), &p, seed), || ()).unwrap();
     assert!(!checks.iter().any(|check| matches!(check.report, CheckReport::Wrong(_))));
     assert!(CheckFigures::of(None, &checks).device_named() >= 0.95);
+}
+
+#[test]
+fn while_the_satellite_points_the_guard_lets_it_and_stops_torquers_that_turn_wrong() {
+    let slowly = StartingRate::AnyAxis(0.5 * core::f64::consts::PI / 180.0);
+    let sound = fly_all(4, |seed| fly_pointing(slowly, 1.0, None, seed), || ()).unwrap();
+    assert!(sound.iter().all(|it| it.began_s.is_some() && it.ended.is_none()), "{sound:?}");
+    for fault in turned_round().into_iter().filter(|it| it.device == Device::Torquers) {
+        let flight = fly_pointing(slowly, 0.5, Some(fault), 1).unwrap();
+        let Some((after_s, cause)) = flight.ended else { panic!("{flight:?}") };
+        // Which axis is not always named right; the whole loop is what stops.
+        assert!(matches!(cause, Cause::Miswired(_)), "{fault:?}: {cause:?}");
+        assert!(after_s < 1800.0, "{fault:?}: {after_s} s");
+    }
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub use extended::{CoupledSample, Extended, NoiseShift, calibrate_extended};
 pub use gauss_newton::{MAX_CONDITION, MIN_SAMPLES, calibrate};
 pub use parameters::{Correction, Parameters};
 pub use sums::{Recursive, Sums};
-pub(crate) use symmetric::Spectrum;
+pub(crate) use symmetric::{Spectrum, sigmas};
 pub use twostep::twostep;
 
 /// The unknowns: scale of x, y, z, then bias of x, y, z.
@@ -142,8 +142,7 @@ pub struct Calibration<T: RealField + Copy> {
 impl<T: RealField + Copy> Calibration<T> {
     /// Standard deviations of the scales and of the biases.
     pub fn sigma(&self) -> ([T; 3], [T; 3]) {
-        let sigma = self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt());
-        parted(&sigma)
+        parted(&sigmas(&self.covariance))
     }
 
     /// What [`TriadParameters`](crate::sensing::TriadParameters) take, `scale` (no unit) and `bias`

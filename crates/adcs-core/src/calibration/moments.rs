@@ -54,19 +54,28 @@ fn place([i, j, k]: [usize; 3]) -> usize {
     degree * (degree + 1) * (degree + 2) / 6 + of_yz * (of_yz + 1) / 2 + k
 }
 
-/// The first L monomials of a reading.
-pub(super) fn monomials<T: RealField + Copy, const L: usize>(reading: [T; 3]) -> SVector<T, L> {
-    let powers = reading.map(|v| {
+/// All monomials of a reading.
+pub(super) fn monomials<T: RealField + Copy>(reading: [T; 3]) -> SVector<T, OF_SIX> {
+    let [x, y, z] = reading.map(|v| {
         let v2 = v * v;
         let v3 = v2 * v;
         [T::one(), v, v2, v3, v2 * v2, v2 * v3, v3 * v3]
     });
-    let mut found = SVector::<T, L>::zeros();
-    for (value, exponents) in found.iter_mut().zip(exponents()) {
-        let factors = powers.iter().zip(exponents);
-        *value = factors.filter_map(|(powers, n)| powers.get(n)).fold(T::one(), |a, b| a * *b);
+    let mut found = [T::zero(); OF_SIX];
+    let mut places = found.iter_mut();
+    // As `exponents` has them, in loops that the compiler sees through: this is done for every reading.
+    for degree in 0..7 {
+        for of_yz in 0..degree + 1 {
+            let of_x = x.get(degree - of_yz);
+            for k in 0..of_yz + 1 {
+                let factors = (places.next(), of_x, y.get(of_yz - k), z.get(k));
+                if let (Some(place), Some(of_x), Some(of_y), Some(of_z)) = factors {
+                    *place = *of_x * *of_y * *of_z;
+                }
+            }
+        }
     }
-    found
+    SVector::from(found)
 }
 
 /// Σ w m mᵀ, m being the monomials of degree two at most.
@@ -151,12 +160,17 @@ mod tests {
             v in prop::array::uniform3(-1.0..1.0_f64),
             p in prop::array::uniform10(-1.0..1.0_f64),
         ) {
-            let ten: SVector<f64, OF_TWO> = monomials(v);
+            let all = monomials(v);
+            for (value, [i, j, k]) in all.iter().zip(exponents()) {
+                let expected = v[0].powi(i as i32) * v[1].powi(j as i32) * v[2].powi(k as i32);
+                prop_assert!((value - expected).abs() < ROUNDING);
+            }
+            let four: SVector<f64, OF_FOUR> = all.fixed_rows::<OF_FOUR>(0).into();
+            let ten: SVector<f64, OF_TWO> = all.fixed_rows::<OF_TWO>(0).into();
             let p = SVector::from(p);
-            let squares = squares(&monomials(v));
+            let squares = squares(&four);
             prop_assert!((squares - ten * ten.transpose()).norm() < ROUNDING);
-            let times = times(&monomials(v), &p);
-            let four: SVector<f64, OF_FOUR> = monomials(v);
+            let times = times(&all, &p);
             prop_assert!((times - four * p.dot(&ten)).norm() < ROUNDING);
         }
 
@@ -173,11 +187,12 @@ mod tests {
                 for (y, w_y) in points {
                     for (z, w_z) in points {
                         let noisy = monomials([v[0] + x, v[1] + y, v[2] + z]);
-                        mean += without_noise(&noisy, sigma) * (w_x * w_y * w_z);
+                        let noisy = without_noise(&noisy.fixed_rows::<OF_FOUR>(0).into(), sigma);
+                        mean += noisy * (w_x * w_y * w_z);
                     }
                 }
             }
-            prop_assert!((mean - monomials::<_, OF_FOUR>(v)).norm() < ROUNDING);
+            prop_assert!((mean - monomials(v).fixed_rows::<OF_FOUR>(0)).norm() < ROUNDING);
         }
     }
 }

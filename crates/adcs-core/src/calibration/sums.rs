@@ -40,7 +40,7 @@ use super::gauss_newton::{answering, supported};
 use super::moments::{OF_FOUR, OF_SIX, OF_TWO, monomials, squares, times};
 use super::parameters::{Correction, Parameters};
 use super::quadratic::{ByNoise, Quadratic, monomial_slopes, noise_gain};
-use super::symmetric::Spectrum;
+use super::symmetric::{Spectrum, sigmas};
 use super::twostep::first_step;
 use super::{DataSheet, Sample, number, shown};
 
@@ -87,7 +87,7 @@ pub struct Recursive<T: RealField + Copy, const N: usize> {
 impl<T: RealField + Copy, const N: usize> Recursive<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> Parameters<T, N> {
-        Parameters(self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+        Parameters(sigmas(&self.covariance))
     }
 
     /// What the flight software takes behind a driver that turns readings into field by this data sheet,
@@ -194,11 +194,12 @@ impl<T: RealField + Copy> Sums<T> {
         let squared = strength * strength;
         let quarter = number::<T>(0.25);
         let w = quarter / squared;
+        let m = monomials(reading);
         let next = Self {
-            fourth: self.fourth + monomials(reading) * w,
-            second: self.second + monomials(reading) * quarter,
+            fourth: self.fourth + m.fixed_rows::<OF_FOUR>(0) * w,
+            second: self.second + m.fixed_rows::<OF_TWO>(0) * quarter,
             v: self.v + squared * quarter,
-            sixth: self.sixth + monomials(reading) * (w * w),
+            sixth: self.sixth + m * (w * w),
             weight: self.weight + T::one(),
             samples: self.samples.saturating_add(1),
             ..*self
@@ -211,8 +212,9 @@ impl<T: RealField + Copy> Sums<T> {
     }
 
     fn is_finite(&self) -> bool {
-        let sums = self.fourth.iter().chain(self.second.iter()).chain(self.sixth.iter());
-        sums.chain([&self.v]).all(ComplexField::is_finite)
+        let sums: [&[T]; 3] =
+            [self.fourth.as_slice(), self.second.as_slice(), self.sixth.as_slice()];
+        self.v.is_finite() && sums.iter().all(|sums| sums.iter().all(T::is_finite))
     }
 
     /// Lets the past fade: it counts for `factor` (0 to 1) of what it did.

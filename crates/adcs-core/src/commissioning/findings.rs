@@ -17,10 +17,10 @@ pub enum Rung {
     Polarity,
     /// The torquers' field at the magnetometer.
     Coupling,
-    /// Gyro bias.
-    Gyro,
     /// Alignment of the Sun sensors to the magnetometer.
     Sun,
+    /// Gyro bias.
+    Gyro,
     /// Residual dipole.
     Dipole,
     /// Inertia ratios.
@@ -33,8 +33,8 @@ impl Rung {
         Self::Magnetometer,
         Self::Polarity,
         Self::Coupling,
-        Self::Gyro,
         Self::Sun,
+        Self::Gyro,
         Self::Dipole,
         Self::Inertia,
     ];
@@ -138,7 +138,7 @@ impl Three {
 pub struct MagnetometerFound {
     /// s, no unit.
     pub scale: Three,
-    /// c_xy, c_xz, c_yz, no unit. σ is zero where the readings do not ask for them.
+    /// c_xy, c_xz, c_yz, no unit: zero where the readings do not ask for them.
     pub cross_axis: Three,
     /// b, T, to be subtracted.
     pub bias_t: Three,
@@ -241,8 +241,8 @@ impl Findings {
         Rung::ALL.into_iter().find(|rung| self.outcome(*rung).is_none())
     }
 
-    /// Keeps what passed, and forgets the rest; when all has passed, all of it.
-    pub(crate) fn retry(&mut self) {
+    /// Before another climb: keeps what passed, and forgets the rest; when all has passed, all of it.
+    pub fn retry(&mut self) {
         let has_all = Rung::ALL.into_iter().all(|rung| self.passed(rung));
         if has_all {
             *self = Self::default();
@@ -252,7 +252,8 @@ impl Findings {
         }
     }
 
-    pub(super) fn take(&mut self, ended: &Ended) {
+    /// Takes in a rung that has ended.
+    pub fn take(&mut self, ended: &Ended) {
         if let Some(outcome) = self.outcomes.get_mut(ended.rung.number()) {
             *outcome = Some(ended.outcome);
         }

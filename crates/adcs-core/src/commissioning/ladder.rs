@@ -1,17 +1,19 @@
 //! The ladder itself: from rung to rung.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupling;
-use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall};
+use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall, worst};
 use super::gyro::Gyro;
 use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
-use super::parameters::{Commit, CommissioningError, CommissioningParameters, StepTime};
+use super::parameters::{CommissioningError, CommissioningParameters, Commit, StepTime};
 use super::sun::Sun;
 use super::track::{Instant, Track, finite};
 use super::{Witnessed, track};
-use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Vector};
+use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Rotation, Vector};
+use crate::identification::Noise;
 use crate::polarity::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep};
 use crate::reading::{MissingReason, Reading};
 use crate::schedule::Phase;
@@ -27,6 +29,8 @@ pub struct Told {
     pub magnetometer: TriadParameters,
     /// The inertia tensor as well as it is known, Body, kg·m².
     pub inertia_kg_m2: [[f32; 3]; 3],
+    /// Noise of gyros and magnetometer.
+    pub noise: Noise<f32>,
     /// How long the torquers' field takes to die away, s.
     pub settle_s: f32,
 }
@@ -149,15 +153,12 @@ impl Ladder {
             let field_b = rests.map_or(Reading::Missing(MissingReason::TorquersOn), Reading::Fresh);
             let inputs = CheckInputs { field_b, ..witnessed.devices };
             return match check.cycle(work, &inputs) {
-                CheckStep::Carry(pulse) => LadderStep {
-                    pulse,
-                    report: LadderReport { rung: Some(rung), ended: None },
-                },
-                CheckStep::Done(report) => state.end(Ended {
-                    rung,
-                    outcome: wired(report),
-                    finding: None,
-                }),
+                CheckStep::Carry(pulse) => {
+                    LadderStep { pulse, report: LadderReport { rung: Some(rung), ended: None } }
+                }
+                CheckStep::Done(report) => {
+                    state.end(Ended { rung, outcome: wired(report), finding: None })
+                }
             };
         }
         let seen = Seen {
@@ -166,7 +167,7 @@ impl Ladder {
             rests: passed.rests,
             instant: passed.instant,
             reference_field: witnessed.reference_field.filter(Vector::is_finite),
-            sun: witnessed.sun.zip(witnessed.reference_sun),
+            sun: witnessed.sun.map(|sun| turned(sun, &state.findings)).zip(witnessed.reference_sun),
             gyro_bias: state.findings.gyro.map_or([0.0; 3], |gyro| gyro.value),
         };
         state.work.see(&seen);
@@ -175,7 +176,7 @@ impl Ladder {
         let due = state.for_s >= least_s && state.unseen_s >= LOOK_S;
         if due || late {
             state.unseen_s = 0.0;
-            let judged = self.judged(&state.work, rung);
+            let judged = self.judged(&state.work, rung, &state.findings);
             let passed = judged.is_some_and(|(_, passed)| passed);
             if passed || late {
                 let outcome = match judged {
@@ -209,14 +210,18 @@ impl Ladder {
         if rests_on.iter().any(|rung| !state.findings.passed(*rung)) {
             return failed(Shortfall::RestsOnFailed);
         }
+        // What the calibration leaves, its own σ says.
+        let left = state.findings.magnetometer.map(|found| worst(&found.bias_t.sigma));
+        let field_offset_t = left.unwrap_or(self.told.noise.field_offset_t);
+        let noise = Noise { field_offset_t, ..self.told.noise };
         let work = match rung {
             Rung::Magnetometer => Magnetometer::new().map(Work::Magnetometer),
             Rung::Polarity => Some(Work::Polarity(CheckState::default())),
-            Rung::Coupling => Coupling::new().map(Work::Coupling),
-            Rung::Gyro => Gyro::new().map(Work::Gyro),
+            Rung::Coupling => Some(Work::Coupling(Coupling::new(noise))),
+            Rung::Gyro => Some(Work::Gyro(Gyro::new(noise))),
             Rung::Sun => Some(Work::Sun(Sun::default())),
             Rung::Dipole | Rung::Inertia => {
-                Momentum::new(self.told.inertia_kg_m2).map(Work::Momentum)
+                Momentum::new(self.told.inertia_kg_m2, noise).map(Work::Momentum)
             }
         };
         let Some(work) = work else { return failed(Shortfall::NotSupported) };
@@ -248,12 +253,12 @@ impl Ladder {
         }
     }
 
-    fn judged(&self, work: &Work, rung: Rung) -> Judged {
+    fn judged(&self, work: &Work, rung: Rung, findings: &Findings) -> Judged {
         let p = &self.parameters;
         match work {
             Work::None | Work::Polarity(_) => None,
             Work::Magnetometer(work) => work.judged(p),
-            Work::Coupling(work) => work.judged(p),
+            Work::Coupling(work) => work.judged(p, findings.magnetometer.as_ref()),
             Work::Gyro(work) => work.judged(p),
             Work::Sun(work) => work.judged(p),
             Work::Momentum(work) => work.judged(p, rung),
@@ -322,9 +327,18 @@ impl Seen {
     }
 
     /// Coarse attitude from field and Sun.
-    pub fn attitude(&self) -> Option<crate::frames::Rotation<Body, Eci>> {
+    pub fn attitude(&self) -> Option<Rotation<Body, Eci>> {
         track::attitude((self.quiet_field()?, self.reference_field?), self.sun?)
     }
+}
+
+/// Where the Sun is seen, by the turn that the ladder found.
+fn turned(sun: Direction<Body>, findings: &Findings) -> Direction<Body> {
+    let turn = findings.sun.filter(|_| findings.passed(Rung::Sun));
+    turn.map_or(sun, |turn| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn.value));
+        Rotation::<Body, Body>::from_hamilton(turn) * sun
+    })
 }
 
 fn wired(report: CheckReport) -> Outcome {

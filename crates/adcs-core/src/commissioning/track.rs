@@ -34,6 +34,8 @@ pub(super) struct Instant {
     pub rate: Vector3<f32>,
     /// Mean dipole of the torquers since the last one, Body, A·m².
     pub dipole: Vector3<f32>,
+    /// What they carry now, Body, A·m².
+    pub carried: Vector3<f32>,
 }
 
 /// What one cycle adds.
@@ -67,7 +69,7 @@ impl Track {
             let dt_s = if self.since_gyro_s <= LONGEST_GAP_S { self.since_gyro_s } else { 0.0 };
             let dipole = if dt_s > 0.0 { self.carried / dt_s } else { carried };
             (self.since_gyro_s, self.carried) = (0.0, Vector3::zeros());
-            Instant { dt_s, rate: rate.xyz, dipole }
+            Instant { dt_s, rate: rate.xyz, dipole, carried }
         });
         Passed { dt_s, rests: self.rest_s >= settle_s, instant }
     }
@@ -85,11 +87,19 @@ impl Instant {
     }
 }
 
-/// Attitude from field and Sun of this instant; `None` in the dark, or where the two are parallel.
+/// Sine of the angle between Sun and field below which an attitude is not coarse, but none: errors about
+/// the two are divided by it.
+const LEAST_SINE: f32 = 0.3;
+
+/// Attitude from field and Sun of this instant; `None` in the dark, or where the two are nearly parallel.
 pub(super) fn attitude(
     (field, reference_field): (Vector<Body>, Vector<Eci>),
     (sun, reference_sun): (Direction<Body>, Direction<Eci>),
 ) -> Option<Rotation<Body, Eci>> {
+    let (b, s) = (reference_field.direction()?.vector(), reference_sun.vector());
+    if b.cross(&s).norm() < LEAST_SINE {
+        return None;
+    }
     let field = Observation::new(field, reference_field, DIRECTION_SIGMA_RAD).ok()?;
     let sun = Observation::new(sun.vector(), reference_sun.vector(), DIRECTION_SIGMA_RAD).ok()?;
     let found = Method::QMethod.solve(&[field, sun]).ok()?;

@@ -4,7 +4,7 @@ use nalgebra::{RealField, SMatrix, SVector};
 
 use super::error::IdentificationError;
 use super::{number, shown};
-use crate::calibration::Spectrum;
+use crate::calibration::{Spectrum, sigmas};
 
 /// Above this condition of the scaled normal matrix the combination of unknowns known least is uncertain
 /// by 100 times what the best one is.
@@ -42,7 +42,7 @@ pub struct Solution<T: RealField + Copy, const N: usize> {
 impl<T: RealField + Copy, const N: usize> Solution<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> SVector<T, N> {
-        self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt())
+        sigmas(&self.covariance)
     }
 }
 

@@ -33,7 +33,7 @@ impl Held {
     }
 }
 
-/// For how long a sensor has been silent, s.
+/// For how long a sensor has been silent, or the torquers have refused, s.
 #[derive(Debug, Clone, Copy, Default)]
 struct Silence {
     is_silent: bool,
@@ -75,6 +75,7 @@ pub struct ModesState {
     gyro: Silence,
     magnetometer: Silence,
     sun: Silence,
+    torquers: Silence,
     retries: u8,
     here: InMode,
     watch: Watch,
@@ -120,6 +121,7 @@ impl ModesState {
         self.gyro.step(dt_s, Some(sight.gyro_speaks));
         self.magnetometer.step(dt_s, sight.magnetometer_speaks);
         self.sun.step(dt_s, Some(sight.sun_speaks));
+        self.torquers.step(dt_s, Some(sight.torquers_obey));
         let rate = sight.rate?;
         let mean = self.mean_rate.map_or(rate, |mean| mean + (rate - mean) * weight(dt_s));
         self.mean_rate = Some(mean);
@@ -153,12 +155,7 @@ impl ModesState {
         self.findings = findings;
     }
 
-    fn enter(
-        &mut self,
-        from: Mode,
-        (to, cause): (Mode, Cause),
-        has_ladder: bool,
-    ) -> Transition {
+    fn enter(&mut self, from: Mode, (to, cause): (Mode, Cause), has_ladder: bool) -> Transition {
         match cause {
             Cause::Recovered => self.retries = self.retries.saturating_add(1),
             Cause::Commanded => self.retries = 0,
@@ -273,21 +270,24 @@ impl Modes {
             Cause::Silent(Sensor::Gyro)
         } else if needs.sun && silent(&state.sun, p.sun_gap_s) {
             Cause::Silent(Sensor::SunSensors)
+        } else if silent(&state.torquers, p.actuator_gap_s) {
+            Cause::TorquersRefuse
         } else {
             grows?
         };
         Some((Mode::Safe, cause))
     }
 
-    /// What the guard says. It listens whenever no loop is closed, and watches while despin closes one;
-    /// a satellite that points has proven its wiring, and turns too slowly to betray it.
+    /// What the guard says. It listens whenever no loop is closed, and watches while one is.
     fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
         let Watch::Guard(watch) = &mut state.watch else { return None };
-        if mode == Mode::Point {
-            return None;
-        }
-        match guard.cycle(watch, &sight.witnessed.devices) {
+        let despins = match (mode, &self.experiment) {
+            (Mode::Point, _) => false,
+            (Mode::Experiment, Some(Flown { law, .. })) => !law.points(),
+            _ => true,
+        };
+        match guard.cycle(watch, &sight.witnessed.devices, despins) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }
@@ -307,17 +307,15 @@ impl Modes {
                 let trouble = ended.as_ref().and_then(trouble);
                 trouble.or(rung.is_none().then_some((Mode::Detumble, Cause::Commissioned)))
             }
-            (Watch::Check(watch), _) => {
-                match check.cycle(watch, &sight.witnessed.devices) {
-                    CheckStep::Carry(pulse) => {
-                        state.pulse = Some(pulse);
-                        None
-                    }
-                    CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
-                    CheckStep::Done(CheckReport::Wrong(suspect)) => Some(miswired(suspect)),
-                    CheckStep::Done(CheckReport::Undecided(why)) => Some(unchecked(why)),
+            (Watch::Check(watch), _) => match check.cycle(watch, &sight.witnessed.devices) {
+                CheckStep::Carry(pulse) => {
+                    state.pulse = Some(pulse);
+                    None
                 }
-            }
+                CheckStep::Done(CheckReport::Sound) => Some((Mode::Detumble, Cause::Checked)),
+                CheckStep::Done(CheckReport::Wrong(suspect)) => Some(miswired(suspect)),
+                CheckStep::Done(CheckReport::Undecided(why)) => Some(unchecked(why)),
+            },
             (Watch::Guard(_) | Watch::Ladder(_), _) => None,
         }
     }
@@ -346,6 +344,7 @@ impl Modes {
         let missed = state.here.missed;
         let needed = |sensor, needs| needs || missed == Some(sensor);
         let speaking = state.magnetometer.for_s == 0.0
+            && state.torquers.for_s == 0.0
             && (state.gyro.for_s == 0.0 || !needed(Sensor::Gyro, p.despin_needs.gyro))
             && (state.sun.for_s == 0.0 || !needed(Sensor::SunSensors, p.despin_needs.sun));
         let here = &mut state.here;

@@ -10,7 +10,7 @@
 //!  │   │ recovered        │                    │        Experiment ─► the mode that is named
 //!  │   │                  │                    │
 //!  └─► Safe ◄─────────────┴────────────────────┘
-//!        a sensor silent, divergence, a time limit
+//!        a sensor silent, torquers that refuse, divergence, a wrong wiring, a time limit
 //! ```
 //!
 //! | mode | torquers | ends by itself |
@@ -25,8 +25,8 @@
 //!
 //! What each of these words means is one table of numbers, [`ModeParameters`]. A condition counts when it
 //! has held without a break for its time, and what leads back is further out than what led in. In the
-//! order in which they are looked at, per cycle: a command, a sensor that is silent, divergence, a time
-//! limit, and only then the way forward. Every transition has a [`Cause`], and a command held over from
+//! order in which they are looked at, per cycle: a command, a sensor that is silent, torquers that refuse,
+//! divergence, the wiring, a time limit, and only then the way forward. Every transition has a [`Cause`], and a command held over from
 //! the mode before is dropped with it.
 //!
 //! Time is counted from cycle to cycle and no step counts for more than [`LONGEST_STEP_S`], so that
@@ -143,6 +143,8 @@ pub enum Cause {
     Miswired(Suspect),
     /// The sensors have been speaking for long enough, and there is a retry left.
     Recovered,
+    /// The torquers have refused their commands for too long.
+    TorquersRefuse,
 }
 
 /// One mode follows another.

@@ -57,6 +57,8 @@ pub struct ModeParameters {
     pub sensor_gap_s: f32,
     /// The Sun sensors have failed: blind by day, or silent, for so long, s.
     pub sun_gap_s: f32,
+    /// The torquers have failed: they refused every command for so long, s.
+    pub actuator_gap_s: f32,
     /// What [`Mode::Detumble`] and a despin experiment need.
     pub despin_needs: Needs,
     /// What [`Mode::Acquire`], [`Mode::Point`] and a pointing experiment need.
@@ -104,6 +106,7 @@ impl Default for ModeParameters {
             sensor_gap_s: 60.0,
             // Between the cones of two faces a slow satellite sees nothing for minutes.
             sun_gap_s: 600.0,
+            actuator_gap_s: 60.0,
             despin_needs: Needs { gyro: true, sun: false },
             pointing_needs: Needs { gyro: true, sun: true },
             // Longer than the quarter of a swing about the field, 90 s, in rounds of 7.5 s.
@@ -138,6 +141,7 @@ pub enum ModeNumber {
     Experiment,
     SensorGap,
     SunGap,
+    ActuatorGap,
     GrowingRounds,
     GrowingFactor,
     Diverged,
@@ -165,6 +169,7 @@ impl ModeNumber {
             Self::Experiment => "experiment_s",
             Self::SensorGap => "sensor_gap_s",
             Self::SunGap => "sun_gap_s",
+            Self::ActuatorGap => "actuator_gap_s",
             Self::GrowingRounds => "growing_rounds",
             Self::GrowingFactor => "growing_factor",
             Self::Diverged => "diverged_rad",
@@ -284,6 +289,7 @@ impl ModeTable {
             (ModeNumber::Experiment, p.experiment_s, TIMES_S),
             (ModeNumber::SensorGap, p.sensor_gap_s, TIMES_S),
             (ModeNumber::SunGap, p.sun_gap_s, TIMES_S),
+            (ModeNumber::ActuatorGap, p.actuator_gap_s, TIMES_S),
             (ModeNumber::GrowingRounds, f32::from(p.growing_rounds), (2.0, 1e4)),
             (ModeNumber::GrowingFactor, p.growing_factor, (1.0, 100.0)),
             (ModeNumber::Diverged, p.diverged_rad, ANGLES_RAD),
@@ -333,7 +339,7 @@ mod tests {
     #[test]
     fn every_number_that_is_none_is_refused_by_its_name() {
         type Set = fn(&mut ModeParameters, f32);
-        let set: [(ModeNumber, Set); 20] = [
+        let set: [(ModeNumber, Set); 21] = [
             (ModeNumber::Despun, |p, x| p.despun_rad_s = x),
             (ModeNumber::DespunFor, |p, x| p.despun_for_s = x),
             (ModeNumber::Tumbling, |p, x| p.tumbling_rad_s = x),
@@ -351,6 +357,7 @@ mod tests {
             (ModeNumber::Experiment, |p, x| p.experiment_s = x),
             (ModeNumber::SensorGap, |p, x| p.sensor_gap_s = x),
             (ModeNumber::SunGap, |p, x| p.sun_gap_s = x),
+            (ModeNumber::ActuatorGap, |p, x| p.actuator_gap_s = x),
             (ModeNumber::GrowingFactor, |p, x| p.growing_factor = x),
             (ModeNumber::Diverged, |p, x| p.diverged_rad = x),
             (ModeNumber::Recovery, |p, x| p.recovery_s = x),

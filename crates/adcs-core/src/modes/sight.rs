@@ -31,6 +31,8 @@ pub struct Sight {
     pub magnetometer_speaks: Option<bool>,
     /// Whether the Sun sensors speak: by day, whether they see the Sun.
     pub sun_speaks: bool,
+    /// Whether the torquers took what they were told since the last cycle.
+    pub torquers_obey: bool,
     /// σ of the attitude's least known axis, rad; `None` without an attitude.
     pub attitude_sigma_rad: Option<f32>,
     /// Whether the attitude has been filtered, and is more than field and Sun of this instant.
@@ -55,6 +57,8 @@ pub(crate) struct Heard<'a> {
     pub(crate) reference_sun: Option<Direction<Eci>>,
     /// What the torquers carried since the last cycle.
     pub(crate) carried: Vector<Body>,
+    /// Whether they took what they were told.
+    pub(crate) obey: bool,
 }
 
 impl Sight {
@@ -79,6 +83,7 @@ impl Sight {
             gyro_speaks: heard.omega_bi.value().is_some(),
             magnetometer_speaks: rests.then(|| heard.field_b.value().is_some()),
             sun_speaks: sun_speaks(heard),
+            torquers_obey: heard.obey,
             attitude_sigma_rad: attitude.map(|it| it.sigma_rad().xyz.max()),
             filtered: attitude.is_some_and(|it| it.source != AttitudeSource::TwoVectors),
             dipole_sigma_am2: dynamic.map(|it| it.residual_dipole_sigma_am2.xyz.max()),
@@ -93,7 +98,9 @@ impl Sight {
                 },
                 reading: heard.reading,
                 reference_field: heard.reference_field,
-                reference_sun: heard.reference_sun.filter(|_| heard.lit.is_some_and(|lit| lit >= LIT)),
+                reference_sun: heard
+                    .reference_sun
+                    .filter(|_| heard.lit.is_some_and(|lit| lit >= LIT)),
                 sun: heard.sun_b.sun.value().map(|sun| sun.direction),
             },
         }

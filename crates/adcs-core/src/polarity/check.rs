@@ -26,8 +26,9 @@ use crate::frames::{Body, SignedPermutation, Vector};
 use crate::schedule::Phase;
 use crate::time::Utc;
 
-/// Rounds after which it gives up: five minutes of the paper's.
-pub const LONGEST_ROUNDS: u8 = 24;
+/// Rounds after which it gives up: twenty minutes of the paper's. Pulses of half that length, as of a schedule
+/// that points, and slow tumbles take that many.
+pub const LONGEST_ROUNDS: u8 = 96;
 /// Cycles after which it gives up whatever the phases say: 20 minutes of half seconds.
 pub const LONGEST_CYCLES: u16 = 2400;
 /// Each torquer has been pulsed once.
@@ -158,7 +159,7 @@ impl ActiveCheck {
         let (gyro, field) = (inputs.rate(), inputs.field());
         state.seen_rate |= gyro.is_some();
         state.seen_field |= field.is_some();
-        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring);
+        state.turning.cycle(p, dt_s, gyro, field, inputs.phase == Phase::Measuring, 0.0);
         let wiring = state.assumed.unwrap_or(SignedPermutation::IDENTITY);
         let dipole = inputs.dipole();
         let back = wiring.inverse();
@@ -190,7 +191,7 @@ impl ActiveCheck {
         if state.rounds < FEWEST_ROUNDS {
             return None;
         }
-        let response = state.gyro_put_right.evidence()?;
+        let response = state.gyro_put_right.evidence(true)?;
         if assumed == SignedPermutation::IDENTITY {
             let report = match response.best {
                 SignedPermutation::IDENTITY => CheckReport::Sound,
@@ -201,7 +202,7 @@ impl ActiveCheck {
             };
             return (response.lead >= KNOWN).then_some(report);
         }
-        let other = state.magnetometer_put_right.evidence()?;
+        let other = state.magnetometer_put_right.evidence(true)?;
         gyro_or_magnetometer(assumed, &response, &other).map(CheckReport::Wrong)
     }
 

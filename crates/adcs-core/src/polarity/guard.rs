@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::parameters::{PolarityError, PolarityParameters};
-use super::response::{Response, Seen};
+use super::response::{Estimate, Response, Seen};
 use super::turning::{Turning, TurningEvidence};
 use super::verdict::{Evidence, GuardVerdict, Suspect};
 use crate::frames::{Body, SignedPermutation, Vector};
@@ -21,13 +21,17 @@ const FASTEST_RAD_S: f32 = 5.2;
 const WEAKEST_T: f32 = 5e-6;
 const STRONGEST_T: f32 = 1e-4;
 
+/// Slower turns of the field tell nothing, rad/s: eight times what it turns in Eci, which is the same from
+/// round to round, and twice what the gyro's bias makes of a satellite at rest.
+const SLOWEST_RAD_S: f32 = 0.0175;
+
 /// Natural logarithm of the odds of the best wiring over the second best at which it is named: 20.
 const NAMED: f32 = 3.0;
 /// Growth of the energy at which control stops whatever the reason.
 const ENERGY_GROWTH: f32 = 1.2;
 /// The energy counts from this rate on, rad/s: below, the residual dipole moves it at will.
 const SLOW_RAD_S: f32 = 0.035;
-/// By how many σ of the rate the energy must have grown.
+/// By how many σ of rate and residual dipole the energy must have grown.
 const ENERGY_SIGMAS: f32 = 4.0;
 
 /// The guard with accepted parameters.
@@ -45,10 +49,20 @@ pub struct GuardState {
     pub(super) response: Response,
     /// Whether the torquers have been on.
     closed: bool,
-    energy_at_start_j: Option<f32>,
+    start: Option<Balance>,
     turned: Option<TurningEvidence>,
     evidence: Option<Evidence>,
     stopped: Option<Suspect>,
+}
+
+/// What energy is counted from.
+#[derive(Debug, Clone, Copy)]
+struct Balance {
+    energy_j: f32,
+    /// σ of it.
+    sigma_j: f32,
+    /// Field, Body, T.
+    field: Vector3<f32>,
 }
 
 /// What the devices said and did since the last cycle.
@@ -95,8 +109,14 @@ impl Guard {
         Ok(Self { parameters: *parameters, inertia })
     }
 
-    /// One cycle of the closed loop. A stop stays one until the state is made anew.
-    pub fn cycle(&self, state: &mut GuardState, inputs: &GuardInputs) -> GuardVerdict {
+    /// One cycle of the closed loop, of which `despins` says whether it is to take energy out: a satellite
+    /// that points may be spun up on purpose. A stop stays one until the state is made anew.
+    pub fn cycle(
+        &self,
+        state: &mut GuardState,
+        inputs: &GuardInputs,
+        despins: bool,
+    ) -> GuardVerdict {
         let p = &self.parameters;
         let dt_s = state.last.map_or(0.0, |last| inputs.now.seconds_since(last) as f32);
         state.last = Some(inputs.now);
@@ -104,13 +124,16 @@ impl Guard {
         let last_of_rest = inputs.phase == Phase::Measuring;
         let seen = Seen { gyro, field, dipole: inputs.dipole() };
         state.response.cycle(p, &self.inertia, dt_s, &seen);
-        let compared = state.turning.cycle(p, dt_s, gyro, field, last_of_rest);
+        let compared = state.turning.cycle(p, dt_s, gyro, field, last_of_rest, SLOWEST_RAD_S);
         if compared {
             state.turned = Some(state.turning.evidence(p));
         }
         state.closed |= seen.dipole != Vector3::zeros();
-        if state.stopped.is_none() {
-            state.stopped = self.judge(state);
+        if !despins {
+            state.start = None;
+        }
+        if gyro.is_some() && state.stopped.is_none() {
+            state.stopped = self.judge(state, despins);
         }
         let evidence = state.evidence.unwrap_or(Evidence::NONE);
         match state.stopped {
@@ -119,20 +142,23 @@ impl Guard {
         }
     }
 
-    fn judge(&self, state: &mut GuardState) -> Option<Suspect> {
+    fn judge(&self, state: &mut GuardState, despins: bool) -> Option<Suspect> {
         let limit = self.parameters.log_odds;
         let turning = state.turned;
-        let response = state.response.evidence();
-        let (energy, grown) = self.energy(state).unwrap_or((1.0, false));
+        let response = state.response.evidence(despins);
+        let balance = if despins { self.energy(state) } else { None };
+        let (energy, grown) = balance.unwrap_or((1.0, false));
         state.evidence = Some(Evidence {
             turning: turning.map_or(0.0, |it| it.wrong),
             response: response.map_or(0.0, |it| it.wrong),
             energy,
         });
         if let Some(it) = turning.filter(|it| it.wrong >= limit) {
-            let mirrors = !it.best.is_rotation();
-            let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
-            return Some(name(it.best));
+            return Some(match it.best {
+                _ if it.lead < NAMED => Suspect::Sensors,
+                wiring if wiring.is_rotation() => Suspect::GyroOrMagnetometer(wiring),
+                wiring => Suspect::Gyro(wiring),
+            });
         }
         if let Some(it) = response.filter(|it| it.wrong >= limit) {
             return Some(match it.best {
@@ -144,19 +170,25 @@ impl Guard {
         grown.then_some(Suspect::Unknown)
     }
 
-    /// The kinetic energy over that at the start, and whether it has grown beyond doubt.
+    /// The kinetic energy over that at the start, and whether it has grown beyond doubt, and by more than
+    /// the residual dipole has brought in: M · (B − B₀) is what that gives by turning in the field.
     fn energy(&self, state: &mut GuardState) -> Option<(f32, bool)> {
         if !state.closed {
             return None;
         }
-        let (rate, sigma, _) = state.response.motion()?;
+        let Estimate { rate, rate_sigma, field, dipole, dipole_sigma } = state.response.motion()?;
         let momentum = self.inertia * rate;
-        let energy = 0.5 * rate.dot(&momentum);
-        let start = *state.energy_at_start_j.get_or_insert(energy);
+        let energy_j = 0.5 * rate.dot(&momentum);
+        let sigma_j = momentum.component_mul(&rate_sigma).norm();
+        let start = *state.start.get_or_insert(Balance { energy_j, sigma_j, field });
+        let turned = field - start.field;
+        let by_dipole = dipole_sigma.component_mul(&turned).norm();
+        let square = |x: f32| x * x;
+        let sigma_j = libm::sqrtf(square(sigma_j) + square(start.sigma_j) + square(by_dipole));
         let mean = self.inertia.trace() / 3.0;
-        let counted = start.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
-        let doubt = ENERGY_SIGMAS * momentum.component_mul(&sigma).norm();
-        let ratio = energy / start;
-        ratio.is_finite().then_some((ratio, energy - doubt > ENERGY_GROWTH * counted))
+        let counted = start.energy_j.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
+        let gained = energy_j - counted - dipole.dot(&turned).max(0.0) - ENERGY_SIGMAS * sigma_j;
+        let ratio = energy_j / start.energy_j;
+        ratio.is_finite().then_some((ratio, gained > (ENERGY_GROWTH - 1.0) * counted))
     }
 }

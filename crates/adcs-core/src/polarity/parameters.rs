@@ -5,6 +5,11 @@ use core::fmt;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
+use crate::attitude::dynamic::DynamicParameters;
+
+/// No calibration leaves less, T.
+const LEAST_FIELD_BIAS_T: f32 = 100e-9;
+
 /// The guard's tuning as it is stored and uplinked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PolarityParameters {
@@ -20,6 +25,8 @@ pub struct PolarityParameters {
     pub gyro_bias_rad_s: f32,
     /// σ of one measured field, each axis, T.
     pub field_noise_t: f32,
+    /// σ of what the magnetometer shows too much, each axis, T.
+    pub field_bias_t: f32,
     /// What is not modelled of the rate's change, each axis, rad/s per √s.
     pub rate_walk_rad_s_per_sqrt_s: f32,
     /// The odds, as a natural logarithm, at which a wiring counts as wrong.
@@ -45,8 +52,9 @@ impl Default for PolarityParameters {
             gyro_noise_rad_s: 2.845e-3,
             gyro_bias_rad_s: 5e-3,
             field_noise_t: 600e-9,
+            field_bias_t: LEAST_FIELD_BIAS_T,
             rate_walk_rad_s_per_sqrt_s: 1e-5,
-            log_odds: 10.0,
+            log_odds: 15.0,
             pulse_am2: 0.6,
         }
     }
@@ -88,6 +96,23 @@ impl fmt::Display for PolarityError {
 impl core::error::Error for PolarityError {}
 
 impl PolarityParameters {
+    /// What the filters of stage II are told of the same satellite, with the torquers' full dipole for
+    /// the pulses, A·m².
+    pub fn of(told: &DynamicParameters<f32>, pulse_am2: f32) -> Self {
+        let field_noise = told.sensors.field_noise;
+        let learned = if told.blocks.field_bias { told.field_bias_prior_t } else { 0.0 };
+        Self {
+            inertia_kg_m2: told.inertia_kg_m2,
+            dipole_prior_am2: told.dipole_prior_am2,
+            gyro_noise_rad_s: told.sensors.gyro_noise_rad_s,
+            gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
+            field_noise_t: field_noise.sensor_t,
+            field_bias_t: field_noise.calibration_t.max(learned).max(LEAST_FIELD_BIAS_T),
+            pulse_am2,
+            ..Self::default()
+        }
+    }
+
     /// The tensor, when guard and check can work with all of this.
     pub(super) fn check(&self) -> Result<Matrix3<f32>, PolarityError> {
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.inertia_kg_m2;
@@ -105,6 +130,7 @@ impl PolarityParameters {
             ("the gyro's noise", self.gyro_noise_rad_s, 1e-7, 0.1),
             ("the gyro's bias", self.gyro_bias_rad_s, 1e-7, 1.0),
             ("the magnetometer's noise", self.field_noise_t, 1e-9, 2e-5),
+            ("the magnetometer's bias", self.field_bias_t, 1e-9, 2e-5),
             ("the walk of the rate", self.rate_walk_rad_s_per_sqrt_s, 1e-8, 1e-2),
             ("the odds of an alarm", self.log_odds, 3.0, 100.0),
             ("the dipole of the pulses", self.pulse_am2, 1e-4, 100.0),
@@ -131,12 +157,13 @@ mod tests {
     fn the_default_is_accepted_and_impossible_values_are_refused_by_name() {
         type Field = fn(&mut PolarityParameters) -> &mut f32;
         assert_eq!(refused(|_| ()), None);
-        let fields: [(Field, &str); 8] = [
+        let fields: [(Field, &str); 9] = [
             (|p| &mut p.inertia_prior, "the prior of the inertia"),
             (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
             (|p| &mut p.gyro_noise_rad_s, "the gyro's noise"),
             (|p| &mut p.gyro_bias_rad_s, "the gyro's bias"),
             (|p| &mut p.field_noise_t, "the magnetometer's noise"),
+            (|p| &mut p.field_bias_t, "the magnetometer's bias"),
             (|p| &mut p.rate_walk_rad_s_per_sqrt_s, "the walk of the rate"),
             (|p| &mut p.log_odds, "the odds of an alarm"),
             (|p| &mut p.pulse_am2, "the dipole of the pulses"),

@@ -3,7 +3,7 @@
 //! Euler's equations tell how a commanded dipole changes the rate, if everything in them is known; so
 //! what is not known is estimated along, by an extended Kalman filter without attitude:
 //!
-//! J ω̇ = (M + P m) × B − ω × J ω,  Ḃ = −ω × B,  gyro = ω + b
+//! J ω̇ = (M + P m) × B − ω × J ω,  Ḃ = −ω × B,  gyro = ω + b,  magnetometer = B + c
 //!
 //! | state | code | meaning | prior σ |
 //! |---|---|---|---|
@@ -12,6 +12,7 @@
 //! | p | `INERTIA` | six parameters of J, in units of its mean moment | parameter |
 //! | M | `DIPOLE` | residual dipole, A·m² | parameter |
 //! | P | `WIRING` | the torquers do P m: nine numbers, column by column | 0.7 |
+//! | c | `FIELD_BIAS` | what the magnetometer shows too much, in `FIELD_UNIT_T` | parameter |
 //!
 //! P is estimated as any matrix, with no opinion on what it is. The signed permutations all have the same
 //! prior density, so the odds between two of them are those of the posterior,
@@ -21,7 +22,8 @@
 //! and the mean odds of all wrong ones against the right one are, while nothing is wrong, a martingale:
 //! that they ever rise above a has a probability of 1/a (Ville's inequality). The 0.05 stands for scale
 //! and misalignment of torquers that are wired well. Of the wrong ones only those count under which the
-//! torquers' work would have been useless or harmful: tr(Pᵀ C) against tr C, C = ∫ (B × ω) mᵀ dt.
+//! torquers' work would have been useless or harmful, tr(Pᵀ C) against tr C, C = ∫ (B × ω) mᵀ dt, while
+//! they are to take energy out; while the satellite points, all of them do.
 //!
 //! Source: Markley & Crassidis (2014), §12.3.7, for the filter; Ville (1939) for the inequality.
 
@@ -54,6 +56,8 @@ const LOST: u8 = 30;
 const BIAS_WALK: f32 = 2e-6;
 const DIPOLE_WALK: f32 = 1e-4;
 const WIRING_WALK: f32 = 2e-3;
+/// How the magnetometer's bias walks, in `FIELD_UNIT_T` per √s: 150 nT in an orbit.
+const FIELD_BIAS_WALK: f32 = 2e-9 / FIELD_UNIT_T;
 /// What the field turns in Eci along the orbit, twice the rate of a low orbit, rad/s; correlated over a
 /// round.
 const FIELD_WALK: f32 = 2.2e-3 * 3.5;
@@ -61,11 +65,12 @@ const FIELD_WALK: f32 = 2.2e-3 * 3.5;
 /// Rate and field.
 const QUICK: usize = 6;
 /// Everything that does not move by itself.
-const SLOW: usize = 21;
+const SLOW: usize = 24;
 const BIAS: usize = 0;
 const INERTIA: usize = 3;
 const DIPOLE: usize = 9;
 const WIRING: usize = 12;
+const FIELD_BIAS: usize = 21;
 
 type Quick = SVector<f32, QUICK>;
 type Slow = SVector<f32, SLOW>;
@@ -99,14 +104,27 @@ pub struct ResponseEvidence {
     pub best: SignedPermutation,
     /// Natural logarithm of its odds against the second best.
     pub lead: f32,
-    /// Natural logarithm of the mean odds of all wrong wirings against the right one; those under which
-    /// the torquers' work of late would have been as good as ordered count as impossible.
+    /// Natural logarithm of the mean odds of all wrong wirings against the right one; in a despin those
+    /// under which the torquers' work of late would have been as good as ordered count as impossible.
     pub wrong: f32,
     /// Log-likelihood of the right wiring and of the reversed one; for comparing filters that were fed
     /// differently.
     pub right: f32,
     /// See `right`.
     pub reversed: f32,
+}
+
+/// Where the satellite stands, Body.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Estimate {
+    /// Rate, rad/s, and σ of each axis.
+    pub(super) rate: Vector3<f32>,
+    pub(super) rate_sigma: Vector3<f32>,
+    /// Field, T.
+    pub(super) field: Vector3<f32>,
+    /// Residual dipole, A·m², and σ of each axis.
+    pub(super) dipole: Vector3<f32>,
+    pub(super) dipole_sigma: Vector3<f32>,
 }
 
 /// Measurements of one cycle.
@@ -171,36 +189,51 @@ impl Response {
         self.log_likelihood -= 0.5 * (nis.min(GATE * GATE) + libm::logf(variance));
     }
 
-    /// The rate, rad/s, its σ, and the residual dipole, A·m².
-    pub(super) fn motion(&self) -> Option<(Vector3<f32>, Vector3<f32>, Vector3<f32>)> {
-        self.tracked.as_ref().map(|it| {
-            let sigma = it.qq.diagonal().fixed_rows::<3>(0).map(|v| libm::sqrtf(v.max(0.0)));
-            let rate = it.quick.fixed_rows::<3>(0).into_owned();
-            (rate, sigma, it.slow.fixed_rows::<3>(DIPOLE).into_owned())
+    /// What is estimated beside the wiring.
+    pub(super) fn motion(&self) -> Option<Estimate> {
+        let sigma = |variances: Vector3<f32>| variances.map(|v| libm::sqrtf(v.max(0.0)));
+        self.tracked.as_ref().map(|it| Estimate {
+            rate: it.quick.fixed_rows::<3>(0).into_owned(),
+            rate_sigma: sigma(it.qq.diagonal().fixed_rows::<3>(0).into_owned()),
+            field: it.quick.fixed_rows::<3>(3) * FIELD_UNIT_T,
+            dipole: it.slow.fixed_rows::<3>(DIPOLE).into_owned(),
+            dipole_sigma: sigma(it.ss.diagonal().fixed_rows::<3>(DIPOLE).into_owned()),
         })
     }
 
-    /// How far the wiring is known by now; `None` before it has started.
-    pub(super) fn evidence(&self) -> Option<ResponseEvidence> {
+    /// How far the wiring is known by now; `None` before it has started. In a despin what would have
+    /// done the work all the same does not count as wrong.
+    pub(super) fn evidence(&self, despins: bool) -> Option<ResponseEvidence> {
         let tracked = self.tracked.as_ref()?;
         let wiring = tracked.slow.fixed_rows::<9>(WIRING).into_owned();
         let slack = SMatrix::<f32, 9, 9>::from_diagonal_element(WIRING_SLACK * WIRING_SLACK);
         let covariance = tracked.ss.fixed_view::<9, 9>(WIRING, WIRING) + slack;
         let factor = covariance.cholesky()?;
+        // −½ (P − P̂)ᵀ Σ⁻¹ (P − P̂), multiplied out: of the nine entries of P three are not zero.
+        let inverse = factor.inverse();
+        let towards = inverse * wiring;
+        let middle = wiring.dot(&towards);
         let logarithm = |p: SignedPermutation| {
             let matrix = p.matrix();
-            let off = SVector::<f32, 9>::from_column_slice(matrix.as_slice()) - wiring;
-            -0.5 * off.dot(&factor.solve(&off))
+            let entries = || matrix.iter().enumerate().filter(|(_, sign)| **sign != 0.0);
+            let along = |at: usize| towards.get(at).copied().unwrap_or(0.0);
+            let both = |at: (usize, usize)| inverse.get(at).copied().unwrap_or(0.0);
+            let linear: f32 = entries().map(|(i, sign)| sign * along(i)).sum();
+            let square: f32 = entries()
+                .map(|(i, a)| entries().map(|(j, b)| a * b * both((i, j))).sum::<f32>())
+                .sum();
+            linear - 0.5 * (square + middle)
         };
         let work = |p: SignedPermutation| p.matrix().dot(&self.work);
+        let done = work(SignedPermutation::IDENTITY);
         let (mut best, mut most, mut second) =
             (SignedPermutation::IDENTITY, f32::NEG_INFINITY, f32::NEG_INFINITY);
         let mut wrong = LogSum::default();
         let right = logarithm(SignedPermutation::IDENTITY);
         for it in SignedPermutation::all() {
             let found = logarithm(it);
-            let useless = work(it) > USELESS * work(SignedPermutation::IDENTITY);
-            if it != SignedPermutation::IDENTITY && useless {
+            let counts = !despins || work(it) > USELESS * done;
+            if it != SignedPermutation::IDENTITY && counts {
                 wrong.add(found);
             }
             if found > most {
@@ -243,15 +276,18 @@ impl Tracked {
             (INERTIA, 6, square(p.inertia_prior)),
             (DIPOLE, 3, square(p.dipole_prior_am2)),
             (WIRING, 9, square(WIRING_PRIOR)),
+            (FIELD_BIAS, 3, square(p.field_bias_t / FIELD_UNIT_T)),
         ] {
             ss.rows_mut(from, count).fill(variance);
         }
         let mut qq = Quick::zeros();
         qq.fixed_rows_mut::<3>(0).fill(bias + noise);
-        qq.fixed_rows_mut::<3>(3).fill(square(p.field_noise_t / FIELD_UNIT_T));
-        // The rate is what the gyro shows less the bias.
+        let field_bias = square(p.field_bias_t / FIELD_UNIT_T);
+        qq.fixed_rows_mut::<3>(3).fill(field_bias + square(p.field_noise_t / FIELD_UNIT_T));
+        // Rate and field are what the sensors show less their bias.
         let mut qs = SMatrix::<f32, QUICK, SLOW>::zeros();
         qs.fixed_view_mut::<3, 3>(0, BIAS).fill_diagonal(-bias);
+        qs.fixed_view_mut::<3, 3>(3, FIELD_BIAS).fill_diagonal(-field_bias);
         Self {
             quick,
             slow: Slow::zeros(),
@@ -326,9 +362,12 @@ impl Tracked {
         noise.fixed_rows_mut::<3>(0).fill(walk(p.rate_walk_rad_s_per_sqrt_s));
         noise.fixed_rows_mut::<3>(3).fill(walk(FIELD_WALK) * field.norm_squared() / 3.0);
         self.qq += SMatrix::from_diagonal(&noise);
-        for (from, count, sigma) in
-            [(BIAS, 3, BIAS_WALK), (DIPOLE, 3, DIPOLE_WALK), (WIRING, 9, WIRING_WALK)]
-        {
+        for (from, count, sigma) in [
+            (BIAS, 3, BIAS_WALK),
+            (DIPOLE, 3, DIPOLE_WALK),
+            (WIRING, 9, WIRING_WALK),
+            (FIELD_BIAS, 3, FIELD_BIAS_WALK),
+        ] {
             for state in from..from + count {
                 if let Some(variance) = self.ss.get_mut((state, state)) {
                     *variance += walk(sigma);
@@ -340,24 +379,15 @@ impl Tracked {
     /// Takes in one number; its squared innovation over its variance, and that. Beyond the gate it
     /// changes nothing.
     fn absorb(&mut self, what: Measured, value: f32, noise: f32) -> (f32, f32) {
-        let (quick, slow, mut by_quick, mut by_slow) = match what {
-            Measured::Gyro(axis) => (
-                axis,
-                Some(BIAS + axis),
-                self.qq.column(axis) + self.qs.column(BIAS + axis),
-                self.qs.row(axis).transpose() + self.ss.column(BIAS + axis),
-            ),
-            Measured::Field(axis) => (
-                3 + axis,
-                None,
-                self.qq.column(3 + axis).into_owned(),
-                self.qs.row(3 + axis).transpose(),
-            ),
+        let (quick, slow) = match what {
+            Measured::Gyro(axis) => (axis, BIAS + axis),
+            Measured::Field(axis) => (3 + axis, FIELD_BIAS + axis),
         };
+        let mut by_quick = self.qq.column(quick) + self.qs.column(slow);
+        let mut by_slow = self.qs.row(quick).transpose() + self.ss.column(slow);
         // h x and h P hᵀ; both indices are there.
         let along = |q: &Quick, s: &Slow| {
-            let slow = slow.and_then(|slow| s.get(slow));
-            q.get(quick).copied().unwrap_or(0.0) + slow.copied().unwrap_or(0.0)
+            q.get(quick).copied().unwrap_or(0.0) + s.get(slow).copied().unwrap_or(0.0)
         };
         let expected = along(&self.quick, &self.slow);
         let variance = along(&by_quick, &by_slow) + noise;

@@ -119,8 +119,21 @@ impl Rig {
     }
 }
 
+/// Gain of B-dot, A·m²·s/T.
+const GAIN: f64 = 1e5;
+
 /// B-dot under the guard: when and why it was stopped, and the largest energy over the first.
-fn guarded(mut rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64, Suspect)>, f64) {
+fn guarded(rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64, Suspect)>, f64) {
+    guarded_with(rig, GAIN, true, spoil)
+}
+
+/// The same with another gain, and whether it is meant to take energy out.
+fn guarded_with(
+    mut rig: Rig,
+    gain: f64,
+    despins: bool,
+    spoil: impl Fn(u32, &mut GuardInputs),
+) -> (Option<(f64, Suspect)>, f64) {
     let guard = Guard::new(&PolarityParameters::default()).unwrap();
     let mut state = GuardState::default();
     let (start, mut largest) = (rig.energy(), 1.0_f64);
@@ -129,7 +142,7 @@ fn guarded(mut rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64,
         let shown = rig.shown();
         let mut said = shown;
         spoil(cycle, &mut said);
-        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said) {
+        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said, despins) {
             return (Some((f64::from(cycle) * CYCLE_S, suspect)), largest);
         }
         command = match shown.phase {
@@ -137,7 +150,7 @@ fn guarded(mut rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64,
             Phase::Acting => command,
             Phase::Measuring => {
                 let (rate, field) = (shown.omega_bi.value(), shown.field_b.value());
-                let dipole = rate.unwrap().cross(&field.unwrap()).xyz.cast::<f64>() * 1e5;
+                let dipole = rate.unwrap().cross(&field.unwrap()).xyz.cast::<f64>() * gain;
                 dipole.map(|m| m.clamp(-0.6, 0.6))
             }
         };
@@ -208,6 +221,38 @@ fn wrong_sensors_are_stopped_within_two_rounds_and_wrong_torquers_within_five_mi
         assert!(suspect == expected || torquers && class.contains(&suspect), "{suspect}");
         assert!(t_s <= within_s && largest < 1.3, "{suspect}: {t_s} s, {largest}");
     }
+}
+
+#[test]
+fn what_spins_up_is_stopped_in_a_despin_and_left_alone_where_it_may_be_on_purpose() {
+    let spun_up = |despins| guarded_with(Rig::new(3.0, None), -GAIN, despins, nothing);
+    let (stopped, largest) = spun_up(true);
+    assert_eq!(stopped.map(|(_, suspect)| suspect), Some(Suspect::Unknown), "{largest}");
+    let (stopped, largest) = spun_up(false);
+    // Three times the energy: it does spin up.
+    assert!(stopped.is_none() && largest > 3.0, "{stopped:?} {largest}");
+}
+
+#[test]
+fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
+    const QUARTER_S: u32 = 900;
+    let guard = Guard::new(&PolarityParameters::default()).unwrap();
+    let (mut rig, mut state) = (Rig::new(3.0, None), GuardState::default());
+    let mirrored = wiring("(+x, -y, +z)");
+    let mut found = None;
+    for second in 0..2 * QUARTER_S {
+        if second == QUARTER_S {
+            rig.fault = Some((Device::Gyro, mirrored));
+        }
+        for _ in 0..2 {
+            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true) {
+                found.get_or_insert((second, suspect));
+            }
+            rig.fly(Vector3::zeros());
+        }
+    }
+    let (second, suspect) = found.unwrap();
+    assert!(second > QUARTER_S, "{second} s: {suspect}");
 }
 
 #[test]
@@ -315,7 +360,7 @@ proptest! {
             (Guard::new(&parameters).unwrap(), ActiveCheck::new(&parameters).unwrap());
         let (mut guarding, mut checking) = (GuardState::default(), CheckState::default());
         for said in &said {
-            let evidence = match guard.cycle(&mut guarding, said) {
+            let evidence = match guard.cycle(&mut guarding, said, said.phase == Phase::Acting) {
                 GuardVerdict::Sound(evidence) | GuardVerdict::Stop { evidence, .. } => evidence,
             };
             let Evidence { turning, response, energy } = evidence;
@@ -342,7 +387,7 @@ proptest! {
                 omega_bi: reading,
                 field_b: reading,
                 carried: Vector::new(bad, bad, bad),
-            });
+            }, phase % 2 == 0);
             prop_assert_eq!(verdict, GuardVerdict::Sound(Evidence::NONE));
         }
     }

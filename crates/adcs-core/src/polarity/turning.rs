@@ -32,6 +32,9 @@ const SHORTEST_S: f32 = 1.0;
 const FIELD_TURN_RAD_S: f32 = 2.2e-3;
 /// A field that no wiring explains within this many σ is none.
 const EXPLAINED: f32 = 8.0;
+/// Over how long fields are remembered, s: some rounds decide in a tumble, and what turns wrong later must
+/// not be outvoted by the days before.
+const MEMORY_S: f32 = 1000.0;
 /// Odds worse than this need not be told apart, natural logarithm.
 const LEAST: f32 = -1e6;
 /// Wirings tried.
@@ -90,7 +93,8 @@ impl Default for Turning {
 
 impl Turning {
     /// Takes in one cycle, `dt_s` after the last: the gyro and the field at rest, each if it was measured,
-    /// and whether the field is the last of its rest. Returns whether a pair of fields was compared.
+    /// and whether the field is the last of its rest. What turned more slowly than `slowest_rad_s` in the
+    /// mean is passed over. Returns whether a pair of fields was compared.
     pub(super) fn cycle(
         &mut self,
         parameters: &PolarityParameters,
@@ -98,6 +102,7 @@ impl Turning {
         gyro: Option<Vector3<f32>>,
         field: Option<Vector3<f32>>,
         last_of_rest: bool,
+        slowest_rad_s: f32,
     ) -> bool {
         self.carry(dt_s, gyro);
         if !last_of_rest {
@@ -106,7 +111,7 @@ impl Turning {
         // Without the gyro's word at this instant the turn ends before it.
         let spoke = self.rate.is_some_and(|(_, age_s)| age_s == 0.0);
         let field = field.filter(|_| spoke);
-        let pair = self.turn.filter(|turn| turn.elapsed_s >= SHORTEST_S).zip(field);
+        let pair = self.turn.filter(|turn| turn.tells(slowest_rad_s)).zip(field);
         let compared = pair.is_some_and(|(turn, field)| self.compare(parameters, &turn, field));
         self.turn = field.map(Turn::new);
         compared
@@ -144,13 +149,14 @@ impl Turning {
         if !(least <= explained && variance > 0.0) {
             return false;
         }
+        let kept = MEMORY_S / (MEMORY_S + turn.elapsed_s);
         for (trial, wiring) in self.trials.iter_mut().zip(SignedPermutation::all()) {
             let (residual, lever) = residual(wiring);
             let h = -field.cross_matrix() * lever;
             let weighted = h.transpose() / variance;
-            trial.normal += weighted * h;
-            trial.right += weighted * residual;
-            trial.squares += residual.norm_squared() / variance;
+            trial.normal = trial.normal * kept + weighted * h;
+            trial.right = trial.right * kept + weighted * residual;
+            trial.squares = trial.squares * kept + residual.norm_squared() / variance;
         }
         self.fields = self.fields.saturating_add(1);
         true
@@ -197,6 +203,12 @@ impl Turn {
             lever_forward: Matrix3::zeros(),
             lever_backward: Matrix3::zeros(),
         }
+    }
+
+    /// Whether wirings can be told apart by it.
+    fn tells(&self, slowest_rad_s: f32) -> bool {
+        let turned = self.forward.angle() >= slowest_rad_s * self.elapsed_s;
+        self.elapsed_s >= SHORTEST_S && turned
     }
 
     /// Turns on with a mean rate over `dt_s`.

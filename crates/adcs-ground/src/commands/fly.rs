@@ -24,6 +24,7 @@ use super::console::{Console, INTERRUPTED, Stop, complain, print};
 ///   history.csv    one row a cycle, units in the header
 ///   plots/*.svg    the plots of the report
 ///   records.bin    every message of the flight, as it came
+///   commissioning.toml  with commissioning: what the satellite found out about itself, for the mission file
 ///
 /// Ctrl-C ends the flight; what was flown until then is kept and reported. The exit code is 0 when the
 /// mission was flown to its end (and equally, with --on both), 1 when it was not, 2 when it could not
@@ -168,6 +169,19 @@ fn print_result(summary: &Summary, folder: &Folder, quiet: bool) {
     for at in &summary.transitions {
         let time_s = at.time_ms as f64 / 1e3;
         print(format_args!("  mode     {time_s:>8.1} s  {} to {}: {}", at.from, at.to, at.cause));
+    }
+    if let Some(climb) = &summary.commissioning {
+        for at in &climb.rungs {
+            let time_s = at.time_ms as f64 / 1e3;
+            print(format_args!("  rung     {time_s:>8.1} s  {}: {}", at.rung, at.outcome));
+            for found in &at.found {
+                print(format_args!("                        {found}"));
+            }
+        }
+        for at_ms in &climb.committed_ms {
+            print(format_args!("  commit   {:>8.1} s", *at_ms as f64 / 1e3));
+        }
+        print(format_args!("  found    {}", folder.commissioning().display()));
     }
     if let (Some(wall_s), Some(speed)) = (summary.wall_s, summary.speed_over_real_time) {
         print(format_args!("  speed    {wall_s:.2} s, {speed:.0} times real time"));

@@ -10,8 +10,15 @@ use super::Flight;
 
 /// Everything that a flight or its report may leave in a folder; removed before the next flight, so
 /// that nothing of an older one stands beside it.
-const FILES: [&str; 6] =
-    ["flight.json", "records.bin", "scenario.bin", "history.csv", "summary.json", "report.html"];
+const FILES: [&str; 7] = [
+    "flight.json",
+    "records.bin",
+    "scenario.bin",
+    "history.csv",
+    "summary.json",
+    "commissioning.toml",
+    "report.html",
+];
 const PLOTS: &str = "plots";
 
 /// The folder of one flight.
@@ -67,6 +74,11 @@ impl Folder {
     /// The flight in numbers.
     pub fn summary(&self) -> PathBuf {
         self.path.join("summary.json")
+    }
+
+    /// What the satellite found out about itself, for the mission file.
+    pub fn commissioning(&self) -> PathBuf {
+        self.path.join("commissioning.toml")
     }
 
     /// The flight to look at.

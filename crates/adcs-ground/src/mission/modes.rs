@@ -30,7 +30,7 @@ const EXPERIMENT: &str = "experiment";
 const GUARD: &str = "polarity_guard";
 
 /// The keys of the numbers.
-const NUMBERS: [(ModeNumber, &str); 21] = [
+const NUMBERS: [(ModeNumber, &str); 22] = [
     (ModeNumber::Despun, "despun_deg_s"),
     (ModeNumber::DespunFor, "despun_for_s"),
     (ModeNumber::Tumbling, "tumbling_deg_s"),
@@ -48,6 +48,7 @@ const NUMBERS: [(ModeNumber, &str); 21] = [
     (ModeNumber::Experiment, "experiment_s"),
     (ModeNumber::SensorGap, "sensor_gap_s"),
     (ModeNumber::SunGap, "sun_gap_s"),
+    (ModeNumber::ActuatorGap, "actuator_gap_s"),
     (ModeNumber::GrowingRounds, "growing_rounds"),
     (ModeNumber::GrowingFactor, "growing_factor"),
     (ModeNumber::Diverged, "diverged_deg"),
@@ -106,16 +107,8 @@ pub(super) fn modes(
 
 /// What looks after the wiring knows what stage II is told.
 fn polarity(attitude: &EstimatorParameters, usual: &Usual) -> PolarityParameters {
-    let told = &attitude.dynamics;
-    PolarityParameters {
-        inertia_kg_m2: told.inertia_kg_m2,
-        dipole_prior_am2: told.dipole_prior_am2,
-        gyro_noise_rad_s: told.sensors.gyro_noise_rad_s,
-        gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
-        field_noise_t: told.sensors.field_noise.sigma_t(),
-        pulse_am2: usual.max_dipole_am2.unwrap_or(PolarityParameters::default().pulse_am2),
-        ..PolarityParameters::default()
-    }
+    let pulse_am2 = usual.max_dipole_am2.unwrap_or(PolarityParameters::default().pulse_am2);
+    PolarityParameters::of(&attitude.dynamics, pulse_am2)
 }
 
 /// Says at its key what the flight software refuses.
@@ -215,6 +208,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         experiment,
         sensor_gap,
         sun_gap,
+        actuator_gap,
         factor,
         diverged,
         recovery,
@@ -235,6 +229,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         number(ModeNumber::Experiment, usual.experiment_s),
         number(ModeNumber::SensorGap, usual.sensor_gap_s),
         number(ModeNumber::SunGap, usual.sun_gap_s),
+        number(ModeNumber::ActuatorGap, usual.actuator_gap_s),
         number(ModeNumber::GrowingFactor, usual.growing_factor),
         number(ModeNumber::Diverged, usual.diverged_rad),
         number(ModeNumber::Recovery, usual.recovery_s),
@@ -259,6 +254,7 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
         experiment_next: next?,
         sensor_gap_s: sensor_gap?,
         sun_gap_s: sun_gap?,
+        actuator_gap_s: actuator_gap?,
         despin_needs: despin_needs?,
         pointing_needs: pointing_needs?,
         growing_rounds: u16::try_from(rounds?).ok()?,

@@ -58,6 +58,8 @@ const HEADER: &[&str] = &[
     "dipole_body_z_am2",
     "mode",
     "transition",
+    "rung",
+    "committed",
     "control",
     "pointing_error_deg",
     "believed_pointing_error_deg",
@@ -149,6 +151,9 @@ fn cells(row: &Row) -> Vec<String> {
     cells.add(row.mode.map_or_else(String::new, |report| report.mode.to_string()));
     let transition = row.mode.and_then(|report| report.transition);
     cells.add(transition.map_or_else(String::new, |it| cause_words(it.cause)));
+    let rung = row.commissioning.and_then(|report| report.rung);
+    cells.add(rung.map_or_else(String::new, |rung| rung.to_string()));
+    cells.add(u8::from(row.committed));
     cells.add(control_words(row.control));
     cells.one_of(row.pointing_error_deg);
     cells.one_of(row.believed_pointing_deg);

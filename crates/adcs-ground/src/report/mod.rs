@@ -1,6 +1,7 @@
 //! What a flight looks like: history, summary, plots, and a page that shows them.
 
 pub mod chart;
+pub mod commissioning;
 pub mod damping;
 mod facts;
 pub mod history;
@@ -46,6 +47,9 @@ pub fn make_of(folder: &Folder, flight: &Flight, flown: &Flown) -> Result<Summar
     let mut text = serde_json::to_string_pretty(&summary)?;
     text.push('\n');
     folder::write(&folder.summary(), text)?;
+    if let Some(climb) = &summary.commissioning {
+        folder::write(&folder.commissioning(), climb.toml(&flight.mission.scenario.flight))?;
+    }
     let plots = plots::plots(&rows, &summary)?;
     let plot_folder = folder.plots();
     fs::create_dir_all(&plot_folder)

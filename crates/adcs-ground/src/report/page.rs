@@ -219,6 +219,11 @@ fn numbers(summary: &Summary) -> Vec<(&'static str, String)> {
         let time_s = at.time_ms as f64 / 1e3;
         ("modes", format!("t = {time_s:.1} s: {} to {}: {}", at.from, at.to, at.cause))
     }));
+    rows.extend(summary.commissioning.iter().flat_map(|climb| &climb.rungs).map(|at| {
+        let time_s = at.time_ms as f64 / 1e3;
+        let found = at.found.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+        ("commissioning", format!("t = {time_s:.1} s: {}: {}. {found}", at.rung, at.outcome))
+    }));
     let damping = summary.damping.map(|damping| {
         damping.map_or_else(|| "–".to_owned(), |damping| format!("{:.3}", damping.ratio))
     });

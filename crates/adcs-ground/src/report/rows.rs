@@ -2,6 +2,7 @@
 
 use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
 use adcs_core::frames::{Body, Eci, Rotation, Vector};
+use adcs_core::commissioning::LadderReport;
 use adcs_core::modes::ModeReport;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};
@@ -60,6 +61,10 @@ pub struct Row {
     pub dipole_am2: Option<[f64; 3]>,
     /// What the mode machine said; `None` without modes.
     pub mode: Option<ModeReport>,
+    /// What the commissioning ladder said; `None` when it was not being climbed.
+    pub commissioning: Option<LadderReport>,
+    /// Whether its results had just been put in force.
+    pub committed: bool,
     /// What stage III did.
     pub control: ControlStatus,
     /// True angle from Body to the target, deg; `None` while nothing is pointed at.
@@ -164,6 +169,8 @@ fn row(flown: &Flown, Step { truth, record }: &Step, next: Option<&Step>) -> Row
         driven_am2: record.driven_am2.map(|dipole| dipole.map(f64::from)),
         dipole_am2: next.map(|next| next.torquer_dipole_body_am2),
         mode: record.mode,
+        commissioning: record.commissioning,
+        committed: record.committed,
         control: record.control,
         pointing_error_deg: None,
         believed_pointing_deg: record.pointing_error_rad.map(|it| f64::from(it).to_degrees()),

@@ -8,6 +8,7 @@ use adcs_core::reading::Reading;
 use adcs_core::schedule::Phase;
 use serde::Serialize;
 
+use super::commissioning::{Climb, climb};
 use super::damping::{Damping, damping};
 use super::pointing::{Pointing, pointing};
 use super::rows::{Row, attitude_word, missing_word, norm, reason_word};
@@ -56,6 +57,8 @@ pub struct Summary {
     pub pointing: Option<Pointing>,
     /// How its modes followed each other; empty without modes.
     pub transitions: Vec<TransitionAt>,
+    /// What it found out about itself; `None` without commissioning.
+    pub commissioning: Option<Climb>,
     /// Readings that were missing.
     pub missing: Missing,
     /// Violations of a chip's protocol that the device models counted.
@@ -222,6 +225,7 @@ pub fn summary(flight: &Flight, flown: &Flown, rows: &[Row], period_s: f64) -> O
         attitude: attitude(rows),
         pointing: pointing(rows, period_s),
         transitions: transitions(rows),
+        commissioning: climb(rows),
         missing: missing(rows),
         violations: flown.end.map(|end| end.violations),
         wall_s: flight.wall_s,

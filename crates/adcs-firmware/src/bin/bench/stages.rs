@@ -6,7 +6,7 @@ use adcs_app::FlightApp;
 use adcs_core::{
     attitude::{
         Method, Observation,
-        dynamic::{DynamicFilter, DynamicInputs, DynamicParameters},
+        dynamic::{Blocks, DynamicFilter, DynamicInputs, DynamicParameters, DynamicState},
         mekf::{self, FieldPair, Inputs, Mekf, MekfParameters, MekfState, SunPair},
         selection::{Estimator, EstimatorParameters, EstimatorState, Flies},
     },
@@ -28,7 +28,9 @@ use adcs_core::{
     orbit::OrbitModel,
     pipeline::{Law, Pointing, State},
     planning::{Models, PlanningState},
+    polarity::{Guard, GuardInputs, GuardState, PolarityParameters},
     reading::{MissingReason, Reading},
+    schedule::Phase,
     sensing::{Expected, SunFaces, SunFacesParameters},
     time::{LeapSeconds, Utc, gmst82_rad},
 };
@@ -59,6 +61,8 @@ pub fn run(counter: &Counter) {
     attitude(counter);
     kinematic(counter);
     dynamic(counter);
+    blocks(counter);
+    guard(counter);
     pointing(counter);
     planning(counter);
     calibration(counter);
@@ -230,6 +234,72 @@ fn dynamic(counter: &Counter) {
     });
 }
 
+/// A cycle of the dynamics-aided filter without optional states, with each kind of them by itself, and
+/// with all; and what the filter remembers, whichever of them fly.
+#[inline(never)]
+fn blocks(counter: &Counter) {
+    let stage = Stage { counter };
+    for (name, blocks) in [
+        ("dynamic_none", Blocks::NONE),
+        ("dynamic_inertia", Blocks { inertia: true, ..Blocks::NONE }),
+        ("dynamic_torque", Blocks { torque: true, ..Blocks::NONE }),
+        ("dynamic_shadow", Blocks { shadow: true, ..Blocks::NONE }),
+        ("dynamic_field_bias", Blocks { field_bias: true, ..Blocks::NONE }),
+        ("dynamic_all", Blocks::ALL),
+    ] {
+        let dynamics = DynamicParameters { blocks, ..DynamicParameters::default() };
+        let parameters = EstimatorParameters::<f32> { dynamics, flies: Flies::Both };
+        let estimator = Estimator::new(&parameters).expect("accepted");
+        let filter = DynamicFilter::new(&parameters.dynamics).expect("accepted");
+        let (gyro, field, sun) = sensed();
+        let inputs = DynamicInputs {
+            sensors: Inputs { dt_s: 0.5, gyro, field: Some(field), sun: Some(sun) },
+            reference_field: Some(field.eci),
+            position: Some(Vector::new(6.9e6, 1e6, 5e5)),
+            torquer_dipole: Vector::new(0.1, -0.2, 0.05),
+            sunlit: Some(true),
+        };
+        let mut state = EstimatorState::default();
+        for _ in 0..3 {
+            estimator.cycle(&mut state, &inputs);
+        }
+        let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+        stage.count(name, state, |mut state| {
+            let outcome = filter.cycle(&mut state.dynamic, &inputs, &nothing);
+            (state, outcome)
+        });
+    }
+    eprintln!("bytes dynamic_state {}", size_of::<DynamicState<f32>>());
+}
+
+/// The polarity guard at the end of a rest, with gyro and field, while the torquers are told something.
+#[inline(never)]
+fn guard(counter: &Counter) {
+    let guard = Guard::new(&PolarityParameters::default()).expect("accepted");
+    let start = Utc::from_micros_since_2000(500_000_000_000_000);
+    let (omega_bi, field, _) = sensed();
+    let at = |cycle: i64| GuardInputs {
+        now: start.plus_micros(cycle * 500_000),
+        phase: if cycle % 25 == 0 { Phase::Measuring } else { Phase::Acting },
+        omega_bi,
+        field_b: if cycle % 25 == 0 {
+            Reading::Fresh(field.body)
+        } else {
+            Reading::Missing(MissingReason::TorquersOn)
+        },
+        carried: Vector::new(0.1, -0.2, 0.05),
+    };
+    let mut state = GuardState::default();
+    for cycle in 0..50 {
+        guard.cycle(&mut state, &at(cycle), true);
+    }
+    for (name, cycle) in [("guard_round", 50), ("guard_cycle", 51)] {
+        let inputs = black_box(at(cycle));
+        print(name, counter.count(|| guard.cycle(&mut state, &inputs, true)));
+    }
+    eprintln!("bytes guard_state {}", size_of::<GuardState>());
+}
+
 const INERTIA: [[f32; 3]; 3] = [[0.05, 0.0, 0.0], [0.0, 0.055, 0.0], [0.0, 0.0, 0.06]];
 
 fn cross_product_law() -> CrossProduct {
@@ -304,6 +374,10 @@ fn planning(counter: &Counter) {
 const CALIBRATED_BITS: [u32; 6] =
     [0x3f666665, 0x3f8ccccd, 0x3f99999b, 0x3727c5ab, 0xb70637bc, 0x36a7c5ad];
 
+/// Scale and bias of the flight software, in bits, as the host finds them from the sums of the same.
+const CHOSEN_BITS: [[u32; 3]; 2] =
+    [[0x3f666663, 0x3f8ccccf, 0x3f9999a2], [0xb727c5aa, 0x370637c4, 0xb6a7c5cd]];
+
 /// 100 readings from all sides, 6 to 50 µT.
 fn readings() -> [Sample<f32>; 100] {
     core::array::from_fn(|k| {
@@ -362,6 +436,12 @@ fn recursive_calibration(counter: &Counter) {
     stage.count("sums_calibrate_nine", sums, |sums| {
         sums.calibration::<9>().expect("from all sides")
     });
+    stage.count("sums_chosen", sums, |sums| sums.chosen().expect("from all sides"));
+    let (found, _) = sums.chosen().expect("from all sides").correction(DATA_SHEET);
+    let bits = [found.scale, found.bias].map(|three| three.map(f32::to_bits));
+    assert_eq!(bits, CHOSEN_BITS, "the host finds other bits");
+    eprintln!("bytes calibration_sums {}", size_of::<Sums<f32>>());
+    eprintln!("bytes axes_check {}", size_of::<AxesCheck<f32>>());
     let step = AxesStep {
         dt_s: 0.5,
         rate_rad_s: [0.06, 0.03, 0.14],

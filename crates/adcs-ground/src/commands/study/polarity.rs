@@ -1,19 +1,23 @@
 //! `adcs study polarity`: wrong wirings against guard and check.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use adcs_core::modes::Cause;
 use adcs_core::polarity::PolarityParameters;
 use adcs_ground::study::campaign::fly_all;
-use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling};
-use adcs_ground::study::despin::share;
+use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling, StartingRate};
+use adcs_ground::study::despin::{quantile, share};
+use adcs_ground::study::polarity::pointing::{Pointed, fly_pointing, turned_round};
 use adcs_ground::study::polarity::{
     CheckFigures, Checked, GuardFigures, Guarded, conditions, faults, fly_check, fly_guarded,
+    told_of_errors, with_all_errors,
 };
 use anyhow::{Context as _, Result};
 
 use super::super::console::print;
-use super::{finish, flown, table, write};
+use super::{finish, flown, orbits, table, write};
 
 const HELP: &str = "\
 SPROUT's preset A2 with the paper's sensors, inertia told 5 % wrong, about any axis, anywhere within two days.
@@ -23,11 +27,17 @@ Magnetometer, gyro or torquers are wired in each of the 47 wrong ways (signed pe
                 without. Harmful are the wirings with which the energy then grows.
   check         the active check alone: a pulse of a torquer each round until the wiring is known
   sound         nothing is wrong: how often the guard stops control all the same, and what the check says
+  pointing      nothing is wrong, but everything else is (case `everything` of `adcs study pointing`): from
+                separation on, by the mode machine, until it has pointed for --orbits
+  turns wrong   the same, and after one orbit of pointing one axis, or all, of a device is turned round
 
 Examples
   $ adcs study polarity
   $ adcs study polarity --flights 5 --sound 5000 --csv polarity.csv
-  $ adcs study polarity --rate 1 --flights 1        slower: less to tell wirings apart by";
+  $ adcs study polarity --rate 1 --flights 1        slower: less to tell wirings apart by
+  $ adcs study polarity --flights 0 --sound 5000 --first-seed 100001
+  $ adcs study polarity --flights 0 --sound 5000 --listen 0 --all-errors
+  $ adcs study polarity --flights 0 --sound 0 --pointing 200 --turns-wrong 20";
 
 /// Wrong signs and exchanged axes: how fast they are stopped, how well they are named, false alarms
 #[derive(Debug, clap::Args)]
@@ -41,6 +51,22 @@ pub struct Args {
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
     sound: u64,
 
+    /// Flights of a satellite that is wired well, from separation to pointing
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
+    pointing: u64,
+
+    /// Flights of each device that turns wrong while it points
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=10_000))]
+    turns_wrong: u64,
+
+    /// How long it points, or from what has turned wrong on, orbits
+    #[arg(long, default_value_t = 3.0, value_parser = orbits)]
+    orbits: f64,
+
+    /// The seed of the first flight of each kind; another one is another set of flights
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    first_seed: u64,
+
     /// Rate at the start, deg/s
     #[arg(long, default_value_t = 5.0, value_parser = rate)]
     rate: f64,
@@ -48,6 +74,14 @@ pub struct Args {
     /// How long the guard listens before the loop is closed, s
     #[arg(long, default_value_t = 125.0, value_parser = listen)]
     listen: f64,
+
+    /// Odds at which the guard stops, natural logarithm
+    #[arg(long, default_value_t = PolarityParameters::default().log_odds, value_parser = odds)]
+    odds: f32,
+
+    /// Everything else is wrong too, as in case `everything` of `adcs study pointing`
+    #[arg(long)]
+    all_errors: bool,
 
     /// The gyro is read in every cycle of 0.5 s instead of once a second
     #[arg(long)]
@@ -60,6 +94,10 @@ pub struct Args {
 
 fn rate(text: &str) -> Result<f64, String> {
     within(text, 0.0..=30.0)
+}
+
+fn odds(text: &str) -> Result<f32, String> {
+    within(text, 3.0..=100.0).map(|odds| odds as f32)
 }
 
 fn listen(text: &str) -> Result<f64, String> {
@@ -77,7 +115,19 @@ impl Args {
     fn conditions(&self, fault: Option<Fault>) -> Conditions {
         let sampling =
             if self.gyro_every_cycle { Sampling::EveryCycle } else { Sampling::OnceASecond };
-        conditions(self.rate, sampling, fault)
+        let plain = conditions(self.rate, sampling, fault);
+        if self.all_errors { with_all_errors(&plain) } else { plain }
+    }
+
+    /// What guard and check are told.
+    fn parameters(&self) -> PolarityParameters {
+        let told = PolarityParameters { log_odds: self.odds, ..PolarityParameters::default() };
+        if self.all_errors { told_of_errors(&told) } else { told }
+    }
+
+    /// Its seed.
+    fn seed(&self, number: u64) -> u64 {
+        self.first_seed + number - 1
     }
 
     /// The wiring of flight number `number` of the faulty ones, counted from 1.
@@ -89,54 +139,141 @@ impl Args {
 
 pub fn run(args: &Args) -> Result<ExitCode> {
     let mut table = table(args.csv.as_deref(), &COLUMNS)?;
-    let parameters = PolarityParameters::default();
+    let parameters = args.parameters();
     let faults = faults();
     let count = faults.len() as u64 * args.flights;
     if count > 0 {
         let guarded = flown(count, |hear| {
             let fly = |number| {
                 let conditions = args.conditions(Some(args.fault(&faults, number)?));
-                fly_guarded(&conditions, &parameters, args.listen, number, true)
+                fly_guarded(&conditions, &parameters, args.listen, args.seed(number), true)
             };
             fly_all(count, fly, hear)
         })?;
         show_guarded(&guarded);
-        for (number, flight) in (1..).zip(&guarded) {
+        for (number, flight) in (args.first_seed..).zip(&guarded) {
             write(&mut table, &guarded_row("guard", number, flight))?;
         }
         let checked = flown(count, |hear| {
             let fly = |number| {
                 let conditions = args.conditions(Some(args.fault(&faults, number)?));
-                fly_check(&conditions, &parameters, number)
+                fly_check(&conditions, &parameters, args.seed(number))
             };
             fly_all(count, fly, hear)
         })?;
         show_checked(&Device::ALL.map(Some), &checked);
-        for (number, check) in (1..).zip(&checked) {
+        for (number, check) in (args.first_seed..).zip(&checked) {
             write(&mut table, &checked_row(number, check))?;
         }
     }
     if args.sound > 0 {
         let conditions = args.conditions(None);
         let sound = flown(args.sound, |hear| {
-            let fly = |seed| fly_guarded(&conditions, &parameters, args.listen, seed, false);
+            let fly = |number| {
+                fly_guarded(&conditions, &parameters, args.listen, args.seed(number), false)
+            };
             fly_all(args.sound, fly, hear)
         })?;
-        show_sound(&sound);
+        show_sound(&sound, args.first_seed);
         let checked = flown(args.sound, |hear| {
-            let fly = |seed| fly_check(&conditions, &parameters, seed);
+            let fly = |number| fly_check(&conditions, &parameters, args.seed(number));
             fly_all(args.sound, fly, hear)
         })?;
         show_checked(&[None], &checked);
-        for (number, check) in (1..).zip(&checked) {
+        for (number, check) in (args.first_seed..).zip(&checked) {
             write(&mut table, &checked_row(number, check))?;
         }
-        for (number, flight) in (1..).zip(&sound) {
+        for (number, flight) in (args.first_seed..).zip(&sound) {
             write(&mut table, &guarded_row("sound", number, flight))?;
         }
     }
     finish(table)?;
+    point(args)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The flights that point.
+fn point(args: &Args) -> Result<()> {
+    let rate = StartingRate::AnyAxis(args.rate.to_radians());
+    if args.pointing > 0 {
+        let flights = flown(args.pointing, |hear| {
+            let fly = |number| fly_pointing(rate, args.orbits, None, args.seed(number));
+            fly_all(args.pointing, fly, hear)
+        })?;
+        show_pointing(&flights, args);
+    }
+    if args.turns_wrong > 0 {
+        print("\nturns wrong                     pointing ended by");
+        print(
+            "                      flights   guard   error    rate  attitude  other   median   95 %    all, s   not ended",
+        );
+        for fault in turned_round() {
+            let flights = flown(args.turns_wrong, |hear| {
+                let fly = |number| fly_pointing(rate, args.orbits, Some(fault), args.seed(number));
+                fly_all(args.turns_wrong, fly, hear)
+            })?;
+            show_turned(fault, &flights);
+        }
+    }
+    Ok(())
+}
+
+fn show_pointing(flights: &[Pointed], args: &Args) {
+    let stopped = |flight: &&Pointed| matches!(flight.ended, Some((_, Cause::Miswired(_))));
+    let alarms = flights.iter().filter(stopped).count();
+    let pointed = flights.iter().filter(|flight| flight.began_s.is_some()).count();
+    print(format_args!(
+        "\npointing       {} flights from {} deg/s, {pointed} came to point: {alarms} stopped by the guard",
+        flights.len(),
+        args.rate
+    ));
+    for (seed, flight) in (args.first_seed..).zip(flights) {
+        if let Some((t_s, cause)) = flight.ended {
+            let from = if flight.began_s.is_some() { "pointing" } else { "power-on" };
+            print(format_args!("  seed {seed}: {t_s:.0} s from {from} on, {}", named(cause)));
+        }
+    }
+}
+
+fn named(cause: Cause) -> String {
+    match cause {
+        Cause::Miswired(suspect) => suspect.to_string(),
+        other => format!("{other:?}"),
+    }
+}
+
+fn show_turned(fault: Fault, flights: &[Pointed]) {
+    let mut by = BTreeMap::<&str, usize>::new();
+    for (_, transition) in flights.iter().filter_map(|flight| flight.left) {
+        let kind = match transition.cause {
+            Cause::Miswired(_) => "guard",
+            Cause::ErrorGrows => "error",
+            Cause::RateGrows | Cause::Tumbling => "rate",
+            Cause::AttitudeLost => "attitude",
+            _ => "other",
+        };
+        *by.entry(kind).or_default() += 1;
+    }
+    let count = |kind| by.get(kind).copied().unwrap_or_default();
+    let times = || flights.iter().filter_map(|flight| Some(flight.left?.0)).collect::<Vec<_>>();
+    let after = |share| if times().is_empty() { f64::NAN } else { quantile(times(), share) };
+    let on = flights.iter().filter(|flight| flight.left.is_none());
+    let worst = on.clone().map(|flight| flight.mean_deg).fold(0.0, f64::max);
+    let on = on.count();
+    print(format_args!(
+        "  {:12} {:12} {:4} {:7} {:7} {:7} {:9} {:6} {:8.0} {:6.0} {:9.0}   {on}, mean to {worst:.1} deg",
+        fault.device.name(),
+        fault.wiring.to_string(),
+        flights.len(),
+        count("guard"),
+        count("error"),
+        count("rate"),
+        count("attitude"),
+        count("other"),
+        after(0.5),
+        after(0.95),
+        after(1.0),
+    ));
 }
 
 fn show_guarded(flights: &[Guarded]) {
@@ -185,16 +322,16 @@ fn show_checked(devices: &[Option<Device>], checks: &[Checked]) {
     }
 }
 
-fn show_sound(flights: &[Guarded]) {
+fn show_sound(flights: &[Guarded], first_seed: u64) {
     let alarms = flights.iter().filter(|flight| flight.stop.is_some()).count();
     let share = 100.0 * share(flights.iter().map(|flight| flight.stop.is_some()));
     print(format_args!(
         "\nsound          {alarms} of {} flights stopped, {share:.2} %",
         flights.len()
     ));
-    for (seed, flight) in (1..).zip(flights) {
+    for (seed, flight) in (first_seed..).zip(flights) {
         if let Some((t_s, suspect)) = flight.stop {
-            print(format_args!("  flight {seed}: after {t_s} s, {suspect}"));
+            print(format_args!("  seed {seed}: after {t_s} s, {suspect}"));
         }
     }
 }

@@ -19,6 +19,7 @@ mod sensors;
 use adcs_app::parameters::FlightParameters;
 use adcs_core::frames::{Body, Eci, Rotation, TorquerAxes, Vector};
 use adcs_core::pipeline::{Configuration, Inputs, State, Thoughts, cycle};
+use adcs_core::polarity::SignedPermutation;
 use adcs_core::schedule::{Phase, Schedule};
 use adcs_core::time::Utc;
 use adcs_sim::noise::Gaussian;
@@ -121,7 +122,9 @@ pub struct ClosedLoop {
     lag_s: f64,
     /// How much of the step there is, 0 in sunlight to 1.
     stepped: Option<f64>,
-    /// The torquers' scale errors and their fault.
+    /// The torquers' scale errors.
+    scale: nalgebra::Matrix3<f64>,
+    /// What they do of what they are told: scale and wiring.
     torquers: nalgebra::Matrix3<f64>,
     told: Vector<TorquerAxes>,
     flaws: Flaws,
@@ -179,7 +182,7 @@ impl ClosedLoop {
         around.field_t = around.field_t + field_error;
         let mut disturbance = Gaussian::new(seed, stream::TORQUE);
         let Torque { constant_n_m, random_n_m, correlation_s } = conditions.torque;
-        let wiring = |device| conditions.wiring(device).matrix().cast::<f64>();
+        let scale = nalgebra::Matrix3::from_diagonal(&scale.add_scalar(1.0));
         Ok(Self {
             cycle_us: parameters.cycle_us,
             schedule,
@@ -202,8 +205,8 @@ impl ClosedLoop {
             step,
             lag_s,
             stepped: None,
-            torquers: nalgebra::Matrix3::from_diagonal(&scale.add_scalar(1.0))
-                * wiring(Device::Torquers),
+            scale,
+            torquers: scale * wiring(conditions.fault, Device::Torquers),
             told: Vector::zero(),
             flaws,
         })
@@ -241,6 +244,7 @@ impl ClosedLoop {
             field_t: shown.field_t,
             sun_a: shown.sun_a,
             carried: self.told,
+            refused: false,
             commanded: None,
         };
         let thoughts = cycle(&self.configuration, &mut self.state, &inputs);
@@ -249,6 +253,12 @@ impl ClosedLoop {
         self.told = decide(&moment);
         self.fly(dipole, lit, stepped)?;
         Ok(moment)
+    }
+
+    /// From now on this is what is wired wrongly, whatever it was before.
+    pub fn rewire(&mut self, fault: Option<Fault>) {
+        self.torquers = self.scale * wiring(fault, Device::Torquers);
+        self.sensors.rewire(fault);
     }
 
     /// What is wrong with the sensors of this satellite.
@@ -328,6 +338,12 @@ impl ClosedLoop {
         self.cycles += 1;
         Ok(())
     }
+}
+
+/// How a device is wired with this fault.
+fn wiring(fault: Option<Fault>, device: Device) -> nalgebra::Matrix3<f64> {
+    let at_fault = fault.filter(|fault| fault.device == device);
+    at_fault.map_or(SignedPermutation::IDENTITY, |fault| fault.wiring).matrix().cast()
 }
 
 /// The same orbit with everything `late_s` later.

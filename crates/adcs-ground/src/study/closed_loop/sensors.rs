@@ -13,7 +13,7 @@ use anyhow::{Context as _, Result};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::super::random::gaussian;
-use super::{Conditions, Device, Flaws, Sampling, Truth, stream};
+use super::{Conditions, Device, Fault, Flaws, Sampling, Truth, stream, wiring};
 
 /// What the sensors of one cycle show.
 pub(super) struct Shown {
@@ -52,11 +52,13 @@ impl Sensors {
     ) -> Result<Self> {
         let sun = parameters.sun_sensors.as_ref().map(|known| {
             let Conditions { sun_noise_rad: noise_rad, albedo, .. } = *conditions;
-            let mut truth = SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
+            let mut truth =
+                SunSensorsTruth { noise_rad, albedo, ..SunSensorsTruth::perfect(known) };
             let turn: Rotation<Body, Body, f64> =
                 Rotation::from_hamilton(UnitQuaternion::from_scaled_axis(flaws.sun_turn));
             for face in &mut truth.faces {
-                let told = Rotation::<Body, Body, f64>::from_attitude_quaternion(face.alignment_xyzw);
+                let told =
+                    Rotation::<Body, Body, f64>::from_attitude_quaternion(face.alignment_xyzw);
                 let told = told.unwrap_or_else(Rotation::identity);
                 face.alignment_xyzw = (turn * told).attitude_quaternion();
             }
@@ -64,16 +66,15 @@ impl Sensors {
             SunSensors::new(&truth, Gaussian::new(seed, stream::SUN), Gaussian::new(seed, 0))
                 .context("Sun sensors without a direction")
         });
-        let wiring = |device| conditions.wiring(device).matrix().cast();
         Ok(Self {
-            gyro: wiring(Device::Gyro),
+            gyro: wiring(conditions.fault, Device::Gyro),
             gyro_noise_rad_s: conditions.gyro.noise_rad_s,
             gyro_bias,
             walk: conditions.gyro.walk_rad_s_per_sqrt_s,
             sampling: conditions.gyro.sampling,
             cycles_a_second: (1_000_000 / parameters.cycle_us.max(1)).max(1),
             since_measuring: 0,
-            magnetometer: wiring(Device::Magnetometer),
+            magnetometer: wiring(conditions.fault, Device::Magnetometer),
             field_noise_t: conditions.magnetometer_noise_t,
             field_bias,
             flaws,
@@ -82,6 +83,11 @@ impl Sensors {
             walk_stream: Gaussian::new(seed, stream::GYRO_BIAS),
             field_stream: Gaussian::new(seed, stream::MAGNETOMETER),
         })
+    }
+
+    pub(super) fn rewire(&mut self, fault: Option<Fault>) {
+        self.gyro = wiring(fault, Device::Gyro);
+        self.magnetometer = wiring(fault, Device::Magnetometer);
     }
 
     pub(super) fn gyro_bias(&self) -> Vector3<f64> {

@@ -93,7 +93,7 @@ fn shadow_wrong(lag_s: [f64; 2]) -> Conditions {
 }
 
 /// Everything at once.
-fn everything_wrong() -> Conditions {
+pub(in super::super) fn everything_wrong() -> Conditions {
     Conditions {
         torque: Torque { constant_n_m: 1e-8, random_n_m: 5e-9, correlation_s: 300.0 },
         magnetometer_bias_t: 500e-9,

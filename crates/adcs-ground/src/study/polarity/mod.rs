@@ -2,6 +2,7 @@
 //! names them.
 
 mod figures;
+pub mod pointing;
 
 use adcs_app::parameters::LawParameters;
 use adcs_core::control::allocation::Allocation;
@@ -15,6 +16,7 @@ use anyhow::Result;
 use super::closed_loop::{
     ClosedLoop, Conditions, Device, Fault, GyroTruth, Moment, Sampling, StartingRate, b_dot, sprout,
 };
+use super::pointing::case::everything_wrong;
 use super::sprout::{DEG, InertiaError};
 
 pub use figures::{CheckFigures, GuardFigures};
@@ -33,6 +35,17 @@ pub fn conditions(rate_deg_s: f64, sampling: Sampling, fault: Option<Fault>) -> 
         fault,
         ..Conditions::default()
     }
+}
+
+/// The same with everything wrong that is wrong in the pointing study's case `everything`.
+pub fn with_all_errors(plain: &Conditions) -> Conditions {
+    let Conditions { rate, start_in_sunlight, gyro, fault, .. } = *plain;
+    Conditions { rate, start_in_sunlight, gyro, fault, ..everything_wrong() }
+}
+
+/// What guard and check are told then: that the magnetometer's calibration leaves 500 nT.
+pub fn told_of_errors(told: &PolarityParameters) -> PolarityParameters {
+    PolarityParameters { field_bias_t: everything_wrong().magnetometer_bias_t as f32, ..*told }
 }
 
 /// All wrong wirings of all devices.
@@ -99,7 +112,7 @@ pub fn fly_guarded(
         let moment = closed_loop.step_with(|moment| {
             let said = inputs(moment, &allocation);
             if stop.is_none() {
-                match guard.cycle(&mut state, &said) {
+                match guard.cycle(&mut state, &said, true) {
                     GuardVerdict::Stop { suspect, evidence: now } => {
                         stop = Some(((moment.truth.t_s - listen_s).max(0.0), suspect));
                         evidence = now;

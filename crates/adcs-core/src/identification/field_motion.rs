@@ -18,7 +18,7 @@ use super::number;
 pub(super) const FIELD_CHANGE_T_S: f64 = 4e-8;
 /// d turns at 2 n, smoothly: in 200 s, which is what an estimate looks back for, by 0.43 of itself. A Gauss–Markov
 /// process that wanders as far in that time has this one.
-const FIELD_CHANGE_LASTS_S: f64 = 2000.0;
+const FIELD_CHANGE_LASTS_S: f64 = 1000.0;
 /// Of its turn, each axis, rad/s: 2 n, the mean along a polar orbit, in any direction.
 pub(super) const FIELD_TURN_RAD_S: f64 = 1.25e-3;
 /// Of the field before its first reading, T: ten times what a reading says.

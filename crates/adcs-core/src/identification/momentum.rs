@@ -57,14 +57,15 @@ const PRIOR_TENSOR: f64 = 0.2;
 const PRIOR_GAIN: f64 = 1.0;
 /// Of what acts besides, each axis, in the mean square, N·m: SPROUT's gravity gradient, 1.5·10⁻⁸ at most, and drag,
 /// 10⁻⁸ at most.
-const DISTURBANCE_N_M: f64 = 6e-9;
+const DISTURBANCE_N_M: f64 = 1e-8;
 /// It turns with the orbit: after half of 1/n it is another.
 const DISTURBANCE_LASTS_S: f64 = 500.0;
 /// At first the products of what is unknown (bias and rate, rate and tensor) are as large as what is learnt, and a
-/// filter that leaves them out believes itself too much. So what it learnt until now, s, is where it starts
-/// from, and counts a hundredth.
-const SETTLING_S: f64 = 150.0;
-const SETTLING_FACTOR: f64 = 10.0;
+/// filter that leaves them out believes itself too much. So at these times, s, sigma is made larger by these
+/// factors: what was learnt until then is where it starts from, and counts for little. Measured: with 150 s alone the
+/// moments of long records are too sure by a third.
+const SETTLING: [(f64, f64); 2] = [(SETTLED_S, 8.0), (300.0, 1.5)];
+const SETTLED_S: f64 = 150.0;
 /// A body turns by no more than this in a step of the integration, rad: its midpoint rule errs by 1/24 of
 /// the square.
 const MAX_TURN_RAD: f64 = 0.2;
@@ -262,9 +263,11 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
         }
         let before = self.lasted_s;
         self.lasted_s += dt_s;
-        let settling = number(SETTLING_S);
-        if before < settling && self.lasted_s >= settling {
-            self.joint.forget(number(SETTLING_FACTOR));
+        for (at, factor) in SETTLING {
+            let at = number(at);
+            if before < at && self.lasted_s >= at {
+                self.joint.forget(number(factor));
+            }
         }
     }
 
@@ -379,8 +382,8 @@ impl<T: RealField + Copy, const N: usize> MomentumFit<T, N> {
     /// # Errors
     /// [`IdentificationError`]: what the record does not support.
     pub fn solve(&self) -> Result<Solution<T, N>, IdentificationError> {
-        if self.lasted_s < number(SETTLING_S) {
-            let (found_s, needed_s) = (shown(self.lasted_s), SETTLING_S as f32);
+        if self.lasted_s < number(SETTLED_S) {
+            let (found_s, needed_s) = (shown(self.lasted_s), SETTLED_S as f32);
             return Err(IdentificationError::TooBrief { found_s, needed_s });
         }
         self.joint.solve(self.noise.rate_rad_s)

@@ -245,7 +245,8 @@ fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
             rig.fault = Some((Device::Gyro, mirrored));
         }
         for _ in 0..2 {
-            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true) {
+            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true)
+            {
                 found.get_or_insert((second, suspect));
             }
             rig.fly(Vector3::zeros());

@@ -90,7 +90,7 @@ fn the_papers_residual_dipole_is_found_within_0_03_by_momentum_and_nearly_by_dif
     /// The bar, A m², for every axis of 40 records.
     const BAR_AM2: f64 = 0.03;
     /// What most of them reach: root mean square.
-    const RMS_AM2: f64 = 0.01;
+    const RMS_AM2: f64 = 0.005;
     let (mut momentum, mut differences, mut squares) = (0.0_f64, 0.0_f64, 0.0);
     for seed in 0..20 {
         for torquers in [false, true] {
@@ -129,9 +129,9 @@ fn nees<const N: usize>(found: impl Iterator<Item = (Solution<f64, N>, [f64; N])
 
 #[test]
 fn the_covariance_of_the_dipole_is_its_scatter() {
-    /// Of three unknowns over 60 records, three standard errors (√(2·3/60)), and more for
-    /// what walks in ∫ ω × J ω and is the same in neighbouring equations.
-    const OF_THREE: std::ops::Range<f64> = 1.8..6.0;
+    /// Of three unknowns over 60 records, three standard errors (√(2·3/60)); and less for what is allowed for
+    /// and does not act here, torques and drifts.
+    const OF_THREE: std::ops::Range<f64> = 1.2..4.0;
     let found = (0..60).map(|seed| (dipole(seed, false, NOISE, INERTIA), RESIDUAL_AM2));
     let mean = nees(found);
     println!("NEES of the dipole {mean:.2}");
@@ -139,7 +139,7 @@ fn the_covariance_of_the_dipole_is_its_scatter() {
 }
 
 #[test]
-fn a_wrong_tensor_and_a_field_with_a_bias_spoil_the_dipole_more_than_noise() {
+fn a_wrong_tensor_spoils_the_dipole_more_than_noise_and_a_field_with_a_bias_does_not() {
     let told = |x: f64, y: f64, z: f64| {
         let mut told = INERTIA;
         for (axis, factor) in [x, y, z].into_iter().enumerate() {
@@ -163,15 +163,17 @@ fn a_wrong_tensor_and_a_field_with_a_bias_spoil_the_dipole_more_than_noise() {
         "rms error of an axis, A m²: noise {noise:.4}; tensor +1/0/−1 % {one:.3}, +10/0/−10 % {ten:.3}, \
          +10 % all {scaled:.3}; field bias 1 µT {bias_1:.4}, 10 µT {bias_10:.3}"
     );
-    assert!(ten > 10.0 * noise && bias_10 > 3.0 * noise);
+    assert!(ten > 10.0 * noise);
+    // The magnetometer's bias is estimated along.
+    assert!(bias_1 < 1.5 * noise && bias_10 < 4.0 * noise, "{bias_1} {bias_10}");
     // All moments alike: M follows in proportion.
     assert!((0.005..0.05).contains(&scaled), "{scaled}");
 }
 
 #[test]
 fn inertia_ratios_are_found_from_a_tensor_that_is_told_wrong() {
-    /// Of an entry, kg m²: 1 % of a moment.
-    const ENTRY_KG_M2: f64 = 6e-4;
+    /// Of an entry, kg m²: 0.5 % of a moment.
+    const ENTRY_KG_M2: f64 = 3e-4;
     let mut worst = 0.0_f64;
     for seed in 0..20 {
         // A tenth off, products unknown, the trace as it is.
@@ -206,8 +208,8 @@ fn torquers_that_are_reversed_weak_and_skew_are_found_out() {
 
 #[test]
 fn gyro_bias_and_its_slope_are_found_from_the_field() {
-    /// Of a bias, and of a slope over ten degrees, deg/s: the orbit turns the field by up to 0.12.
-    const BIAS_DEG_S: f64 = 0.15;
+    /// Of a bias, and of a slope over ten degrees, deg/s.
+    const BIAS_DEG_S: f64 = 0.05;
     let bias = [0.4, -0.3, 0.25].map(f64::to_radians);
     let slope = [0.02, 0.01, -0.02].map(f64::to_radians);
     let errors = Errors { gyro_bias: bias, gyro_slope: slope, ..NOISE };

@@ -41,11 +41,6 @@ pub enum IdentificationError {
     },
     /// The tensor is not symmetric and positive.
     Inertia,
-    /// A length of time is not finite and positive.
-    Interval {
-        /// What was given, s.
-        found: f32,
-    },
     /// The numbers are too large, or too small, for the type.
     OutOfRange,
 }
@@ -73,9 +68,6 @@ impl fmt::Display for IdentificationError {
                  at most {limit}"
             ),
             Self::Inertia => write!(f, "the inertia tensor must be symmetric and positive"),
-            Self::Interval { found } => {
-                write!(f, "an interval of {found} s must be finite and positive")
-            }
             Self::OutOfRange => write!(f, "the numbers are too large or too small to compute with"),
         }
     }

@@ -238,7 +238,7 @@ fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
     const QUARTER_S: u32 = 900;
     let guard = Guard::new(&PolarityParameters::default()).unwrap();
     let (mut rig, mut state) = (Rig::new(3.0, None), GuardState::default());
-    let mirrored = wiring("(+x, -y, +z)");
+    let mirrored = wiring("+x -y +z");
     let mut found = None;
     for second in 0..2 * QUARTER_S {
         if second == QUARTER_S {

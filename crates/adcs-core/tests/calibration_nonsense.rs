@@ -7,12 +7,12 @@ use adcs_core::calibration::{
     CoupledSample, DataSheet, Extended, NoiseShift, Sample, Start, Sums, calibrate_extended,
     twostep,
 };
-use adcs_core::identification::Recorded;
 use adcs_core::identification::coupling::{CouplingSample, TorquerCoupling};
 use adcs_core::identification::gyro::GyroBias;
 use adcs_core::identification::momentum::MomentumFit;
 use adcs_core::identification::sun::SunAlignment;
 use adcs_core::identification::torque::DipoleByDifferences;
+use adcs_core::identification::{Noise, Recorded};
 use nonsense::anything;
 use proptest::prelude::*;
 
@@ -78,9 +78,9 @@ proptest! {
     fn nonsense_gives_an_identification_a_reason_or_a_finite_result(rows in rows::<11>()) {
         let mut axes = AxesCheck::new(INERTIA);
         let mut differences = DipoleByDifferences::new(INERTIA).unwrap();
-        let mut ratios = MomentumFit::ratios(INERTIA, 20.0).unwrap();
-        let mut gains = MomentumFit::gains(INERTIA, 20.0).unwrap();
-        let mut bias = GyroBias::with_temperature(2.0, 0.0).unwrap();
+        let mut ratios = MomentumFit::ratios(INERTIA, Noise::default()).unwrap();
+        let mut gains = MomentumFit::gains(INERTIA, Noise::default()).unwrap();
+        let mut bias = GyroBias::with_temperature(Noise::default(), 0.0);
         let mut sun = SunAlignment::default();
         let mut coupling = TorquerCoupling::default();
         for &[dt, a, b, c, x, y, z, m, n, o, warm] in &rows {
@@ -95,7 +95,7 @@ proptest! {
             differences.add(&recorded);
             ratios.add(&recorded);
             gains.add(&recorded);
-            bias.add(&recorded, warm);
+            bias.add(&recorded, warm, (a > 0.0).then_some([x, m, o]));
             sun.add([a, b, c], [x, y, z], warm);
             let field_t = [x, y, z];
             coupling.add(&CouplingSample { dt_s, rate_rad_s, field_t, dipole_am2 });

@@ -6,14 +6,15 @@ use adcs_core::identification::gyro::GyroBias;
 use adcs_core::identification::momentum::MomentumFit;
 use adcs_core::identification::sun::SunAlignment;
 use adcs_core::identification::torque::{DipoleByDifferences, central_torque, torque_noise};
-use adcs_core::identification::{IdentificationError, Recorded, Solution};
+use adcs_core::identification::{IdentificationError, Noise, Recorded, Solution};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 use tumble_support::{
     FIELD_NOISE_T, GYRO_NOISE, INERTIA, LIMIT_AM2, RESIDUAL_AM2, Random, Satellite,
 };
 
-/// Of a segment, s.
-const SEGMENT_S: f64 = 300.0;
+fn told_noise() -> Noise<f64> {
+    Noise { rate_rad_s: GYRO_NOISE, field_t: FIELD_NOISE_T, field_offset_t: 300e-9 }
+}
 
 /// What is wrong with a record.
 #[derive(Clone, Copy)]
@@ -74,7 +75,7 @@ fn tumble(seed: u64, torquers: bool, errors: Errors, mut record: impl FnMut(f64,
 }
 
 fn dipole(seed: u64, torquers: bool, errors: Errors, told: [[f64; 3]; 3]) -> Solution<f64, 3> {
-    let mut fit = MomentumFit::dipole(told, SEGMENT_S).unwrap();
+    let mut fit = MomentumFit::dipole(told, told_noise()).unwrap();
     tumble(seed, torquers, errors, |_, recorded| fit.add(recorded));
     fit.solve().unwrap()
 }
@@ -89,7 +90,7 @@ fn the_papers_residual_dipole_is_found_within_0_03_by_momentum_and_nearly_by_dif
     /// The bar, A m², for every axis of 40 records.
     const BAR_AM2: f64 = 0.03;
     /// What most of them reach: root mean square.
-    const RMS_AM2: f64 = 0.01;
+    const RMS_AM2: f64 = 0.005;
     let (mut momentum, mut differences, mut squares) = (0.0_f64, 0.0_f64, 0.0);
     for seed in 0..20 {
         for torquers in [false, true] {
@@ -128,9 +129,9 @@ fn nees<const N: usize>(found: impl Iterator<Item = (Solution<f64, N>, [f64; N])
 
 #[test]
 fn the_covariance_of_the_dipole_is_its_scatter() {
-    /// Of three unknowns over 60 records, three standard errors (√(2·3/60)), and more for
-    /// what walks in ∫ ω × J ω and is the same in neighbouring equations.
-    const OF_THREE: std::ops::Range<f64> = 1.8..6.0;
+    /// Of three unknowns over 60 records, three standard errors (√(2·3/60)); and less for what is allowed for
+    /// and does not act here, torques and drifts.
+    const OF_THREE: std::ops::Range<f64> = 1.2..4.0;
     let found = (0..60).map(|seed| (dipole(seed, false, NOISE, INERTIA), RESIDUAL_AM2));
     let mean = nees(found);
     println!("NEES of the dipole {mean:.2}");
@@ -138,7 +139,7 @@ fn the_covariance_of_the_dipole_is_its_scatter() {
 }
 
 #[test]
-fn a_wrong_tensor_and_a_field_with_a_bias_spoil_the_dipole_more_than_noise() {
+fn a_wrong_tensor_spoils_the_dipole_more_than_noise_and_a_field_with_a_bias_does_not() {
     let told = |x: f64, y: f64, z: f64| {
         let mut told = INERTIA;
         for (axis, factor) in [x, y, z].into_iter().enumerate() {
@@ -162,20 +163,22 @@ fn a_wrong_tensor_and_a_field_with_a_bias_spoil_the_dipole_more_than_noise() {
         "rms error of an axis, A m²: noise {noise:.4}; tensor +1/0/−1 % {one:.3}, +10/0/−10 % {ten:.3}, \
          +10 % all {scaled:.3}; field bias 1 µT {bias_1:.4}, 10 µT {bias_10:.3}"
     );
-    assert!(ten > 10.0 * noise && bias_10 > 3.0 * noise);
+    assert!(ten > 10.0 * noise);
+    // The magnetometer's bias is estimated along.
+    assert!(bias_1 < 1.5 * noise && bias_10 < 4.0 * noise, "{bias_1} {bias_10}");
     // All moments alike: M follows in proportion.
     assert!((0.005..0.05).contains(&scaled), "{scaled}");
 }
 
 #[test]
 fn inertia_ratios_are_found_from_a_tensor_that_is_told_wrong() {
-    /// Of an entry, kg m²: 1 % of a moment.
-    const ENTRY_KG_M2: f64 = 6e-4;
+    /// Of an entry, kg m²: 0.5 % of a moment.
+    const ENTRY_KG_M2: f64 = 3e-4;
     let mut worst = 0.0_f64;
     for seed in 0..20 {
         // A tenth off, products unknown, the trace as it is.
         let told = [[0.056, 0.0, 0.0], [0.0, 0.052, 0.0], [0.0, 0.0, 0.05778]];
-        let mut fit = MomentumFit::ratios(told, SEGMENT_S).unwrap();
+        let mut fit = MomentumFit::ratios(told, told_noise()).unwrap();
         tumble(seed, true, NOISE, |_, recorded| fit.add(recorded));
         let solution = fit.solve().unwrap();
         let found = Matrix3::from(fit.tensor(&solution));
@@ -193,7 +196,7 @@ fn torquers_that_are_reversed_weak_and_skew_are_found_out() {
     let gains = Matrix3::new(-1.0, 0.1, 0.0, 0.0, 0.7, 0.0, 0.05, 0.0, 1.1);
     let mut worst = 0.0_f64;
     for seed in 0..20 {
-        let mut fit = MomentumFit::gains(INERTIA, SEGMENT_S).unwrap();
+        let mut fit = MomentumFit::gains(INERTIA, told_noise()).unwrap();
         tumble(seed, true, Errors { gains, ..NOISE }, |_, recorded| fit.add(recorded));
         let solution = fit.solve().unwrap();
         let found = Matrix3::from_iterator(solution.x.iter().skip(3).copied());
@@ -205,15 +208,15 @@ fn torquers_that_are_reversed_weak_and_skew_are_found_out() {
 
 #[test]
 fn gyro_bias_and_its_slope_are_found_from_the_field() {
-    /// Of a bias, and of a slope over ten degrees, deg/s: the orbit turns the field by up to 0.12.
-    const BIAS_DEG_S: f64 = 0.15;
+    /// Of a bias, and of a slope over ten degrees, deg/s.
+    const BIAS_DEG_S: f64 = 0.05;
     let bias = [0.4, -0.3, 0.25].map(f64::to_radians);
     let slope = [0.02, 0.01, -0.02].map(f64::to_radians);
     let errors = Errors { gyro_bias: bias, gyro_slope: slope, ..NOISE };
     let (mut worst, mut worst_slope) = (0.0_f64, 0.0_f64);
     for seed in 0..20 {
-        let mut fit = GyroBias::with_temperature(20.0, 20.0).unwrap();
-        tumble(seed, false, errors, |t_s, recorded| fit.add(recorded, temperature_c(t_s)));
+        let mut fit = GyroBias::with_temperature(told_noise(), 20.0);
+        tumble(seed, false, errors, |t_s, recorded| fit.add(recorded, temperature_c(t_s), None));
         let x = fit.solve().unwrap().x;
         for axis in 0..3 {
             worst = worst.max((x[axis] - bias[axis]).abs().to_degrees());
@@ -274,7 +277,7 @@ fn single_precision_finds_the_same() {
     /// A m²: a tenth of what noise leaves.
     const SAME_AM2: f64 = 1e-3;
     let mut fit =
-        MomentumFit::dipole(INERTIA.map(|row| row.map(|x| x as f32)), SEGMENT_S as f32).unwrap();
+        MomentumFit::dipole(INERTIA.map(|row| row.map(|x| x as f32)), Noise::default()).unwrap();
     tumble(1, true, NOISE, |_, recorded| {
         fit.add(&Recorded {
             dt_s: recorded.dt_s as f32,
@@ -296,22 +299,20 @@ fn what_a_record_cannot_support_is_refused_with_the_reason() {
         field_t: Some([0.0, 0.0, 3e-5]),
         dipole_am2: [0.0; 3],
     };
-    let mut fit = MomentumFit::dipole(INERTIA, SEGMENT_S).unwrap();
-    assert_eq!(fit.solve(), Err(IdentificationError::TooFew { found: 0, needed: 9 }));
-    (0..100).for_each(|_| fit.add(&still));
+    let mut fit = MomentumFit::dipole(INERTIA, told_noise()).unwrap();
+    let brief = IdentificationError::TooBrief { found_s: 0.0, needed_s: 150.0 };
+    assert_eq!(fit.solve(), Err(brief));
+    (0..200).for_each(|_| fit.add(&still));
     // A dipole along the field makes no torque.
     let error = fit.solve().unwrap_err();
-    assert!(matches!(error, IdentificationError::PoorGeometry { .. }), "{error}");
+    assert!(matches!(error, IdentificationError::NotLearnt { .. }), "{error}");
     let unreadable = Recorded { rate_rad_s: [f64::NAN; 3], ..still };
     fit.add(&unreadable);
     assert!(fit.solve().is_err());
 
     let mut skew = INERTIA;
     skew[0][1] = 0.01;
-    assert_eq!(MomentumFit::dipole(skew, 300.0).unwrap_err(), IdentificationError::Inertia);
-    let error = MomentumFit::gains(INERTIA, 0.0).unwrap_err();
-    assert_eq!(error, IdentificationError::Interval { found: 0.0 });
-    assert!(GyroBias::constant(f64::NAN).is_err());
+    assert_eq!(MomentumFit::dipole(skew, told_noise()).unwrap_err(), IdentificationError::Inertia);
     let mut sun = SunAlignment::default();
     sun.add([0.0; 3], [0.0, 0.0, 1.0], 0.5);
     assert_eq!(sun.solve(), Err(IdentificationError::TooFew { found: 0, needed: 9 }));

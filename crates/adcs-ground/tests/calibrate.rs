@@ -273,6 +273,14 @@ fn the_papers_experiment_ends_within_6000_nt_and_with_square_axes_found_within_2
     }
     assert_eq!(model(&history, "auto")["model"], "nine");
 
+    // Without gyros the same, but for the axes.
+    let mute = folder.join("without-gyros.csv");
+    let named = fs::read_to_string(&history).unwrap().replace("gyro_", "not_gyro_");
+    fs::write(&mute, named).unwrap();
+    let (with, without) = (model(&history, "nine"), model(&mute, "nine"));
+    assert_eq!(with["scale_nt_per_v"], without["scale_nt_per_v"]);
+    assert!(without["axes"].is_null(), "{without}");
+
     // With its result the flight software measures the same.
     let (toml, angle) = (folder.join("nine.toml"), folder.join("angle.svg"));
     let arguments = [&history, Path::new("--toml"), &toml, Path::new("--angle-plot"), &angle]
@@ -377,11 +385,19 @@ fn an_axis_the_other_way_round_is_found_and_put_right_and_the_despin_works() {
         let input = [before.to_str().unwrap(), "--toml", toml.to_str().unwrap()];
         let output = calibrate(&[&input[..], options].concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", errors_of(&output));
-        assert_eq!(json(&output)["axes"]["axes"], "-x +y +z");
+        let found = json(&output);
+        assert_eq!(found["axes"]["axes"], "-x +y +z");
         let calibrated = fs::read_to_string(toml).unwrap();
-        flown(&fly(&folder, name, &format!("{wrong}\n{calibrated}"))).0
+        let turned = found["turned_deg"]["max"].as_f64().unwrap();
+        (flown(&fly(&folder, name, &format!("{wrong}\n{calibrated}"))).0, turned)
     };
-    let (by_norm, by_signs) = (after("by-norm", &[]), after("by-signs", &["--apply-signs"]));
+    let (by_norm, turned_by_norm) = after("by-norm", &[]);
+    let (by_signs, turned_by_signs) = after("by-signs", &["--apply-signs"]);
+    // What the readings were really wrong by, as in the paper's fig. 5.3.
+    assert!(
+        turned_by_norm < 140.0 && turned_by_signs > 160.0,
+        "{turned_by_norm} {turned_by_signs}"
+    );
     println!(
         "deg/s at the end: {rate_before} before, {by_norm} by the norm, {by_signs} with signs"
     );

@@ -25,7 +25,7 @@ use super::descent::{MAX_PASSES, Pass, Problem, descend};
 use super::error::CalibrationError;
 use super::gauss_newton::{Units, answering, supported};
 use super::parameters::Parameters;
-use super::symmetric::Spectrum;
+use super::symmetric::{Spectrum, sigmas};
 use super::{Sample, Start, UNKNOWNS, linear, number, shown};
 
 /// Steps of the correction for noise. Each leaves a part σ²/I² of the error: four are plenty.
@@ -79,7 +79,7 @@ pub struct Extended<T: RealField + Copy, const N: usize> {
 impl<T: RealField + Copy, const N: usize> Extended<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> Parameters<T, N> {
-        Parameters(self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt()))
+        Parameters(sigmas(&self.covariance))
     }
 
     fn is_finite(&self) -> bool {

@@ -11,7 +11,9 @@
 //!
 //! [`calibrate`] is the paper's Gauss–Newton method, eqs. (4) and (5), in f32 on board and f64 on the
 //! ground. Samples are only ever walked through, so a fixed buffer, or anything that can be walked
-//! through again, will do; a pass holds one 6×6 matrix.
+//! through again, will do; a pass holds one 6×6 matrix. [`calibrate_extended`] has more unknowns. [`Sums`] keep
+//! no sample at all, choose the model, and are free of the shift that noise makes; [`axes`] tells which axis
+//! is which.
 //!
 //! ```
 //! use adcs_core::calibration::{DataSheet, Sample, Start, calibrate};
@@ -58,7 +60,7 @@ pub use extended::{CoupledSample, Extended, NoiseShift, calibrate_extended};
 pub use gauss_newton::{MAX_CONDITION, MIN_SAMPLES, calibrate};
 pub use parameters::{Correction, Parameters};
 pub use sums::{Recursive, Sums};
-pub(crate) use symmetric::Spectrum;
+pub(crate) use symmetric::{Spectrum, sigmas};
 pub use twostep::twostep;
 
 /// The unknowns: scale of x, y, z, then bias of x, y, z.
@@ -142,8 +144,7 @@ pub struct Calibration<T: RealField + Copy> {
 impl<T: RealField + Copy> Calibration<T> {
     /// Standard deviations of the scales and of the biases.
     pub fn sigma(&self) -> ([T; 3], [T; 3]) {
-        let sigma = self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt());
-        parted(&sigma)
+        parted(&sigmas(&self.covariance))
     }
 
     /// What [`TriadParameters`](crate::sensing::TriadParameters) take, `scale` (no unit) and `bias`

@@ -65,6 +65,13 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
     }
 }
 
+/// Standard deviations by a covariance.
+pub(crate) fn sigmas<T: RealField + Copy, const N: usize>(
+    covariance: &SMatrix<T, N, N>,
+) -> SVector<T, N> {
+    covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt())
+}
+
 /// The symmetric root of a positive matrix whose entries are of order one; eigenvalues below zero count
 /// as zero.
 pub(super) fn square_root<T: RealField + Copy>(matrix: &Matrix3<T>) -> Matrix3<T> {

@@ -17,10 +17,10 @@ pub enum Rung {
     Polarity,
     /// The torquers' field at the magnetometer.
     Coupling,
-    /// Gyro bias.
-    Gyro,
     /// Alignment of the Sun sensors to the magnetometer.
     Sun,
+    /// Gyro bias.
+    Gyro,
     /// Residual dipole.
     Dipole,
     /// Inertia ratios.
@@ -33,8 +33,8 @@ impl Rung {
         Self::Magnetometer,
         Self::Polarity,
         Self::Coupling,
-        Self::Gyro,
         Self::Sun,
+        Self::Gyro,
         Self::Dipole,
         Self::Inertia,
     ];

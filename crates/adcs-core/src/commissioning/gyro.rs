@@ -4,32 +4,34 @@ use super::findings::{Finding, Three};
 use super::ladder::{Judged, Seen};
 use super::parameters::CommissioningParameters;
 use crate::frames::{Eci, Vector};
+use crate::identification::Noise;
 use crate::identification::gyro::GyroBias;
 
-/// Between two readings that are compared, s: long enough for a bias of 0.05 deg/s to turn a field by
-/// its noise, and short enough for the gyros' noise not to do so.
-const INTERVAL_S: f32 = 10.0;
-
-/// The sums.
+/// The estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gyro {
-    sums: GyroBias<f32, 3>,
-    last_reference: Option<Vector<Eci>>,
+    estimate: GyroBias<f32, 3>,
+    /// The model's field at the last instant.
+    reference: Option<Vector<Eci>>,
 }
 
 impl Gyro {
-    pub fn new() -> Option<Self> {
-        Some(Self { sums: GyroBias::constant(INTERVAL_S).ok()?, last_reference: None })
+    pub fn new(noise: Noise<f32>) -> Self {
+        Self { estimate: GyroBias::constant(noise), reference: None }
     }
 
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
+        let before = core::mem::replace(&mut self.reference, seen.reference_field);
+        // By day field and Sun give an attitude, which tells how the field itself changes.
+        let moved = seen.reference_field.zip(before).map(|(now, before)| now - before);
+        let change = seen.attitude().zip(moved).map(|(r_bi, moved)| (r_bi * moved).to_array());
         let recorded = instant.recorded(seen.quiet_field(), [0.0; 3]);
-        self.sums.add(&recorded, 0.0);
+        self.estimate.add(&recorded, 0.0, change);
     }
 
     pub fn judged(&self, p: &CommissioningParameters) -> Judged {
-        let solution = self.sums.solve().ok()?;
+        let solution = self.estimate.solve().ok()?;
         let found = Three { value: solution.x.into(), sigma: solution.sigma().into() };
         Some((Finding::Gyro(found), found.worst_sigma() <= p.gyro_sigma_rad_s))
     }

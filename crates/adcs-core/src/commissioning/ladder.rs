@@ -1,9 +1,10 @@
 //! The ladder itself: from rung to rung.
 
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupling;
-use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall};
+use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall, worst};
 use super::gyro::Gyro;
 use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
@@ -11,7 +12,7 @@ use super::parameters::{CommissioningError, CommissioningParameters, Commit, Ste
 use super::sun::Sun;
 use super::track::{Instant, Track, finite};
 use super::{Witnessed, track};
-use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Vector};
+use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Rotation, Vector};
 use crate::identification::Noise;
 use crate::polarity::{ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep};
 use crate::reading::{MissingReason, Reading};
@@ -166,7 +167,7 @@ impl Ladder {
             rests: passed.rests,
             instant: passed.instant,
             reference_field: witnessed.reference_field.filter(Vector::is_finite),
-            sun: witnessed.sun.zip(witnessed.reference_sun),
+            sun: witnessed.sun.map(|sun| turned(sun, &state.findings)).zip(witnessed.reference_sun),
             gyro_bias: state.findings.gyro.map_or([0.0; 3], |gyro| gyro.value),
         };
         state.work.see(&seen);
@@ -209,14 +210,18 @@ impl Ladder {
         if rests_on.iter().any(|rung| !state.findings.passed(*rung)) {
             return failed(Shortfall::RestsOnFailed);
         }
+        // What the calibration leaves, its own σ says.
+        let left = state.findings.magnetometer.map(|found| worst(&found.bias_t.sigma));
+        let field_offset_t = left.unwrap_or(self.told.noise.field_offset_t);
+        let noise = Noise { field_offset_t, ..self.told.noise };
         let work = match rung {
             Rung::Magnetometer => Magnetometer::new().map(Work::Magnetometer),
             Rung::Polarity => Some(Work::Polarity(CheckState::default())),
-            Rung::Coupling => Some(Work::Coupling(Coupling::new(self.told.noise))),
-            Rung::Gyro => Gyro::new().map(Work::Gyro),
+            Rung::Coupling => Some(Work::Coupling(Coupling::new(noise))),
+            Rung::Gyro => Some(Work::Gyro(Gyro::new(noise))),
             Rung::Sun => Some(Work::Sun(Sun::default())),
             Rung::Dipole | Rung::Inertia => {
-                Momentum::new(self.told.inertia_kg_m2).map(Work::Momentum)
+                Momentum::new(self.told.inertia_kg_m2, noise).map(Work::Momentum)
             }
         };
         let Some(work) = work else { return failed(Shortfall::NotSupported) };
@@ -322,9 +327,18 @@ impl Seen {
     }
 
     /// Coarse attitude from field and Sun.
-    pub fn attitude(&self) -> Option<crate::frames::Rotation<Body, Eci>> {
+    pub fn attitude(&self) -> Option<Rotation<Body, Eci>> {
         track::attitude((self.quiet_field()?, self.reference_field?), self.sun?)
     }
+}
+
+/// Where the Sun is seen, by the turn that the ladder found.
+fn turned(sun: Direction<Body>, findings: &Findings) -> Direction<Body> {
+    let turn = findings.sun.filter(|_| findings.passed(Rung::Sun));
+    turn.map_or(sun, |turn| {
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(turn.value));
+        Rotation::<Body, Body>::from_hamilton(turn) * sun
+    })
 }
 
 fn wired(report: CheckReport) -> Outcome {

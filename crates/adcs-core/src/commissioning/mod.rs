@@ -5,8 +5,8 @@
 //! | [`Rung::Magnetometer`] | scale, bias, cross-axis terms | the torquers rest | orbit, field model | `magnetometer` |
 //! | [`Rung::Polarity`] | wrong signs, exchanged axes | one torquer pulses after the other | magnetometer | [`crate::polarity::ActiveCheck`] |
 //! | [`Rung::Coupling`] | the torquers' field at the magnetometer | the same | magnetometer, polarity | `coupling` |
-//! | [`Rung::Gyro`] | gyro bias | the torquers rest | magnetometer | `gyro` |
-//! | [`Rung::Sun`] | turn between Sun sensors and magnetometer | the same | magnetometer | `sun` |
+//! | [`Rung::Sun`] | turn between Sun sensors and magnetometer | the torquers rest | magnetometer | `sun` |
+//! | [`Rung::Gyro`] | gyro bias | the same | magnetometer | `gyro` |
 //! | [`Rung::Dipole`] | residual dipole | the same | magnetometer, gyro | `momentum` |
 //! | [`Rung::Inertia`] | inertia ratios | the same | magnetometer, gyro | `momentum` |
 //!
@@ -15,7 +15,8 @@
 //! the ladder goes on with the first rung that has not ended.
 //!
 //! The magnetometer comes first because all others compare directions of its field. Its own
-//! calibration compares strengths, and is blind to signs and axes; so it needs nobody's help.
+//! calibration compares strengths, and is blind to signs and axes; so it needs nobody's help. The Sun sensors
+//! come before the gyros because Sun and field together tell how the field itself changes along the orbit.
 //!
 //! Gates and what they are worth: docs/commissioning.
 

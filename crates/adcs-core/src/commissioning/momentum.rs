@@ -3,38 +3,35 @@
 use super::findings::{Finding, InertiaFound, Rung, Three, worst};
 use super::ladder::{Judged, Seen};
 use super::parameters::CommissioningParameters;
-use crate::identification::Solution;
 use crate::identification::momentum::{MomentumFit, RATIO_UNKNOWNS};
+use crate::identification::{Noise, Solution};
 
-/// A segment of the balance, s (docs/identification).
-const SEGMENT_S: f32 = 300.0;
-
-/// The sums.
+/// The estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Momentum {
-    sums: MomentumFit<f32, RATIO_UNKNOWNS>,
+    estimate: MomentumFit<f32, RATIO_UNKNOWNS>,
     mean_moment: f32,
 }
 
 impl Momentum {
-    pub fn new(inertia_kg_m2: [[f32; 3]; 3]) -> Option<Self> {
+    pub fn new(inertia_kg_m2: [[f32; 3]; 3], noise: Noise<f32>) -> Option<Self> {
         let [[xx, ..], [_, yy, _], [.., zz]] = inertia_kg_m2;
-        let sums = MomentumFit::ratios(inertia_kg_m2, SEGMENT_S).ok()?;
-        Some(Self { sums, mean_moment: (xx + yy + zz) / 3.0 })
+        let estimate = MomentumFit::ratios(inertia_kg_m2, noise).ok()?;
+        Some(Self { estimate, mean_moment: (xx + yy + zz) / 3.0 })
     }
 
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
-        self.sums.add(&instant.recorded(seen.quiet_field(), seen.gyro_bias));
+        self.estimate.add(&instant.recorded(seen.quiet_field(), seen.gyro_bias));
     }
 
     pub fn judged(&self, p: &CommissioningParameters, rung: Rung) -> Judged {
-        let solution = self.sums.solve().ok()?;
+        let solution = self.estimate.solve().ok()?;
         let dipole = dipole(&solution);
         if rung == Rung::Dipole {
             return Some((Finding::Dipole(dipole), dipole.worst_sigma() <= p.dipole_sigma_am2));
         }
-        let tensor_kg_m2 = self.sums.tensor(&solution);
+        let tensor_kg_m2 = self.estimate.tensor(&solution);
         let sigma_kg_m2 = tensor_sigma(&solution);
         let sharp = worst(sigma_kg_m2.as_flattened()) <= p.inertia_sigma * self.mean_moment;
         Some((Finding::Inertia(InertiaFound { tensor_kg_m2, sigma_kg_m2 }), sharp))

@@ -87,11 +87,19 @@ impl Instant {
     }
 }
 
-/// Attitude from field and Sun of this instant; `None` in the dark, or where the two are parallel.
+/// Sine of the angle between Sun and field below which an attitude is not coarse, but none: errors about
+/// the two are divided by it.
+const LEAST_SINE: f32 = 0.3;
+
+/// Attitude from field and Sun of this instant; `None` in the dark, or where the two are nearly parallel.
 pub(super) fn attitude(
     (field, reference_field): (Vector<Body>, Vector<Eci>),
     (sun, reference_sun): (Direction<Body>, Direction<Eci>),
 ) -> Option<Rotation<Body, Eci>> {
+    let (b, s) = (reference_field.direction()?.vector(), reference_sun.vector());
+    if b.cross(&s).norm() < LEAST_SINE {
+        return None;
+    }
     let field = Observation::new(field, reference_field, DIRECTION_SIGMA_RAD).ok()?;
     let sun = Observation::new(sun.vector(), reference_sun.vector(), DIRECTION_SIGMA_RAD).ok()?;
     let found = Method::QMethod.solve(&[field, sun]).ok()?;

@@ -18,17 +18,18 @@
 
 use nalgebra::{Matrix3, RealField, SMatrix, SVector, Vector3};
 
-use super::field_motion::{FIELD_CHANGE_T_S, MAX_GAP_S, Motion};
+use super::field_motion::{FIELD_CHANGE_T_S, MAX_GAP_S, Motion, PRIOR_FIELD_T};
 use super::joint::Joint;
 use super::{BIAS_WALK, IdentificationError, Noise, PRIOR_BIAS_RAD_S, Solution, number};
 
 /// Unknowns: K column by column.
 pub const COUPLING_UNKNOWNS: usize = 9;
-/// States: field, its change, gyro bias.
-const STATES: usize = 9;
+/// States: field, its change, gyro bias, what calibration left of the magnetometer's.
+const STATES: usize = 12;
 const FIELD: usize = 0;
 const CHANGE: usize = 3;
 const BIAS: usize = 6;
+const OFFSET: usize = 9;
 
 /// Of K at first, T for 1 A·m²: a dipole makes 2·10⁻⁷/r³ on its axis, this at 9 cm.
 const PRIOR_T_PER_AM2: f64 = 3e-4;
@@ -66,6 +67,7 @@ impl<T: RealField + Copy> TorquerCoupling<T> {
         let prior = SVector::from_element(number(PRIOR_T_PER_AM2));
         let mut joint = Joint::new(SVector::zeros(), prior);
         joint.begin(BIAS, &Vector3::zeros(), number(PRIOR_BIAS_RAD_S));
+        joint.begin(OFFSET, &Vector3::zeros(), noise.field_offset_t);
         Self { noise, joint, last_rate: None }
     }
 
@@ -88,8 +90,13 @@ impl<T: RealField + Copy> TorquerCoupling<T> {
             _ => {
                 let rests = dipole == Vector3::zeros();
                 self.last_rate = rests.then_some(rate);
-                self.joint.begin(FIELD, &sample.field_t.into(), self.noise.field_t);
-                self.joint.begin(CHANGE, &Vector3::zeros(), number(FIELD_CHANGE_T_S));
+                if rests {
+                    let field = Vector3::from(sample.field_t);
+                    let joint = &mut self.joint;
+                    joint.begin(FIELD, &(field - joint.three(OFFSET)), number(PRIOR_FIELD_T));
+                    joint.begin(CHANGE, &Vector3::zeros(), number(FIELD_CHANGE_T_S));
+                    self.read(&field, &dipole);
+                }
             }
         }
     }
@@ -123,6 +130,7 @@ impl<T: RealField + Copy> TorquerCoupling<T> {
     fn read(&mut self, reading: &Vector3<T>, dipole: &Vector3<T>) {
         let mut of_state = SMatrix::<T, 3, STATES>::zeros();
         of_state.fixed_columns_mut::<3>(FIELD).fill_with_identity();
+        of_state.fixed_columns_mut::<3>(OFFSET).fill_with_identity();
         // K m, column by column.
         let of_unknown = dipole.transpose().kronecker(&Matrix3::identity());
         let variance = self.noise.field_t * self.noise.field_t;

@@ -23,6 +23,13 @@ pub enum IdentificationError {
         /// The unknown with the largest part in the combination that is known least, from 0.
         weakest: u8,
     },
+    /// The record is too short.
+    TooBrief {
+        /// How long it is, s.
+        found_s: f32,
+        /// How long it has to be, s.
+        needed_s: f32,
+    },
     /// The record adds too little to what was assumed at first.
     NotLearnt {
         /// Of the sigma at first, how much is left of the unknown that was learnt least.
@@ -34,11 +41,6 @@ pub enum IdentificationError {
     },
     /// The tensor is not symmetric and positive.
     Inertia,
-    /// A length of time is not finite and positive.
-    Interval {
-        /// What was given, s.
-        found: f32,
-    },
     /// The numbers are too large, or too small, for the type.
     OutOfRange,
 }
@@ -57,15 +59,15 @@ impl fmt::Display for IdentificationError {
                 "the record does not tell the unknowns apart: condition {condition}, at most {limit}; \
                  known least is unknown {weakest}"
             ),
+            Self::TooBrief { found_s, needed_s } => {
+                write!(f, "a record of {found_s} s is too short: it takes {needed_s} s")
+            }
             Self::NotLearnt { left, limit, weakest } => write!(
                 f,
                 "the record adds too little: {left} of the sigma at first is left of unknown {weakest}, \
                  at most {limit}"
             ),
             Self::Inertia => write!(f, "the inertia tensor must be symmetric and positive"),
-            Self::Interval { found } => {
-                write!(f, "an interval of {found} s must be finite and positive")
-            }
             Self::OutOfRange => write!(f, "the numbers are too large or too small to compute with"),
         }
     }

@@ -16,8 +16,13 @@ use super::number;
 /// Of d, each axis, T/s. A dipole's field in a polar orbit at 600 km changes by 3 n B₀ = 7.6·10⁻⁸ T/s at
 /// most and by 5.4·10⁻⁸ T/s in the mean square, n = 1.08·10⁻³ rad/s, B₀ = 23.5 µT.
 pub(super) const FIELD_CHANGE_T_S: f64 = 4e-8;
-/// d turns at 2 n: after half of 1/n it is another.
-const FIELD_CHANGE_LASTS_S: f64 = 500.0;
+/// d turns at 2 n, smoothly: in 200 s, which is what an estimate looks back for, by 0.43 of itself. A Gauss–Markov
+/// process that wanders as far in that time has this one.
+const FIELD_CHANGE_LASTS_S: f64 = 1000.0;
+/// Of its turn, each axis, rad/s: 2 n, the mean along a polar orbit, in any direction.
+pub(super) const FIELD_TURN_RAD_S: f64 = 1.25e-3;
+/// Of the field before its first reading, T: ten times what a reading says.
+pub(super) const PRIOR_FIELD_T: f64 = 5e-6;
 /// A field that was turned on for longer is given up, s.
 pub(super) const MAX_GAP_S: f64 = 60.0;
 

@@ -72,6 +72,21 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         self.state_covariance.fixed_view_mut::<3, 3>(first, first).copy_from(&own);
     }
 
+    /// Keeps the estimate, and of what led to it one part in `factor`².
+    pub fn forget(&mut self, factor: T) {
+        let square = factor * factor;
+        self.state_covariance *= square;
+        self.shared_covariance *= square;
+        self.unknown_covariance *= square;
+        // No unknown is less certain than at first.
+        let prior_sigma = self.prior_sigma;
+        for (axis, sigma) in SMatrix::<T, N, N>::identity().column_iter().zip(&prior_sigma) {
+            let axis = axis.into_owned();
+            self.read_one(&SVector::zeros(), &axis, axis.dot(&self.unknown), *sigma * *sigma);
+        }
+        (self.squares, self.readings) = (T::zero(), 0);
+    }
+
     /// Carries the covariance over a step: δs' = F δs + L δp + noise.
     pub fn carry(
         &mut self,
@@ -139,11 +154,12 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         let spectrum = Spectrum::of(&self.unknown_covariance);
         let covariance = self.unknown_covariance * scale;
         let finite = self.unknown.iter().chain(covariance.iter()).all(ComplexField::is_finite);
-        let positive = covariance.diagonal().iter().all(|variance| *variance > T::zero());
+        let variances = self.unknown_covariance.diagonal();
+        let positive = variances.iter().all(|variance| *variance > T::zero());
         if !finite || !positive {
             return Err(IdentificationError::OutOfRange);
         }
-        let left = self.unknown_covariance.diagonal().map(T::sqrt).component_div(&self.prior_sigma);
+        let left = variances.map(T::sqrt).component_div(&self.prior_sigma);
         let limit = number(MAX_LEFT_OF_PRIOR);
         if left.max() > limit {
             return Err(IdentificationError::NotLearnt {

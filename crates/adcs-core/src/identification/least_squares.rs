@@ -4,7 +4,7 @@ use nalgebra::{RealField, SMatrix, SVector};
 
 use super::error::IdentificationError;
 use super::{number, shown};
-use crate::calibration::Spectrum;
+use crate::calibration::{Spectrum, sigmas};
 
 /// Above this condition of the scaled normal matrix the combination of unknowns known least is uncertain
 /// by 100 times what the best one is.
@@ -22,8 +22,6 @@ pub struct Normal<T: RealField + Copy, const N: usize> {
     /// Σ y²
     squares: T,
     equations: u32,
-    /// Of the equations, taken by unknowns that are not asked for.
-    spent: u32,
 }
 
 /// Unknowns, and how well they are known.
@@ -31,11 +29,11 @@ pub struct Normal<T: RealField + Copy, const N: usize> {
 pub struct Solution<T: RealField + Copy, const N: usize> {
     /// The unknowns.
     pub x: SVector<T, N>,
-    /// Their covariance, from the residuals.
+    /// Their covariance, in proportion to the residuals.
     pub covariance: SMatrix<T, N, N>,
     /// Root mean square of what is left of an equation.
     pub residual_rms: T,
-    /// Condition of the normal matrix with its diagonal scaled to ones.
+    /// Condition of the normal matrix, or of the covariance, with its diagonal scaled to ones.
     pub condition: T,
     /// How many equations there were.
     pub equations: u32,
@@ -44,19 +42,13 @@ pub struct Solution<T: RealField + Copy, const N: usize> {
 impl<T: RealField + Copy, const N: usize> Solution<T, N> {
     /// Standard deviations of the unknowns.
     pub fn sigma(&self) -> SVector<T, N> {
-        self.covariance.diagonal().map(|variance| variance.max(T::zero()).sqrt())
+        sigmas(&self.covariance)
     }
 }
 
 impl<T: RealField + Copy, const N: usize> Default for Normal<T, N> {
     fn default() -> Self {
-        Self {
-            normal: SMatrix::zeros(),
-            right: SVector::zeros(),
-            squares: T::zero(),
-            equations: 0,
-            spent: 0,
-        }
+        Self { normal: SMatrix::zeros(), right: SVector::zeros(), squares: T::zero(), equations: 0 }
     }
 }
 
@@ -77,24 +69,13 @@ impl<T: RealField + Copy, const N: usize> Normal<T, N> {
         self.equations = self.equations.saturating_add(1);
     }
 
-    /// Adds other sums that used up three unknowns of their own: a constant in each of three equations.
-    pub(super) fn add_centred(&mut self, a: &Centred<T, N>) {
-        if let Some(other) = a.sums() {
-            self.normal += other.normal;
-            self.right += other.right;
-            self.squares += other.squares;
-            self.equations = self.equations.saturating_add(other.equations);
-            self.spent = self.spent.saturating_add(3);
-        }
-    }
-
     /// Solves.
     ///
     /// # Errors
     /// [`IdentificationError`]: too few equations, or unknowns that they do not tell apart.
     pub fn solve(&self) -> Result<Solution<T, N>, IdentificationError> {
         let needed = PER_UNKNOWN * N as u32;
-        let found = self.equations.saturating_sub(self.spent);
+        let found = self.equations;
         if found < needed {
             return Err(IdentificationError::TooFew { found, needed });
         }
@@ -122,71 +103,10 @@ impl<T: RealField + Copy, const N: usize> Normal<T, N> {
     }
 }
 
-/// Sums of three equations each that share a constant, y = a x + c: taken about their mean, which is the
-/// same as solving for c.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Centred<T: RealField + Copy, const N: usize> {
-    normal: Normal<T, N>,
-    sum_a: SMatrix<T, 3, N>,
-    sum_y: SVector<T, 3>,
-    count: T,
-}
-
-impl<T: RealField + Copy, const N: usize> Default for Centred<T, N> {
-    fn default() -> Self {
-        Self {
-            normal: Normal::default(),
-            sum_a: SMatrix::zeros(),
-            sum_y: SVector::zeros(),
-            count: T::zero(),
-        }
-    }
-}
-
-impl<T: RealField + Copy, const N: usize> Centred<T, N> {
-    pub fn add(&mut self, a: &SMatrix<T, 3, N>, y: &SVector<T, 3>) {
-        self.normal.add(a, y);
-        self.sum_a += a;
-        self.sum_y += y;
-        self.count += T::one();
-    }
-
-    /// About the mean; `None` of fewer than two.
-    fn sums(&self) -> Option<Normal<T, N>> {
-        let several = self.count >= number(2.0);
-        let part = several.then(|| T::one() / self.count)?;
-        Some(Normal {
-            normal: self.normal.normal - self.sum_a.tr_mul(&self.sum_a) * part,
-            right: self.normal.right - self.sum_a.tr_mul(&self.sum_y) * part,
-            squares: self.normal.squares - self.sum_y.norm_squared() * part,
-            equations: self.normal.equations,
-            spent: 0,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix3x2, Vector2, Vector3};
-
-    #[test]
-    fn a_line_is_found_through_segments_with_constants_of_their_own() {
-        let truth = Vector2::new(2.0, -3.0);
-        let mut normal = Normal::<f64, 2>::default();
-        for segment in 0..3 {
-            let constant = Vector3::new(1.0, 2.0, 3.0) * f64::from(segment);
-            let mut centred = Centred::default();
-            for k in 0..10 {
-                let a = Matrix3x2::from_fn(|i, j| f64::from(k * k * (j as i32 + 1) + i as i32 * k));
-                centred.add(&a, &(a * truth + constant));
-            }
-            normal.add_centred(&centred);
-        }
-        let solution = normal.solve().unwrap();
-        assert!((solution.x - truth).norm() < 1e-9, "{}", solution.x);
-        assert_eq!(solution.equations, 90 - 9);
-    }
+    use nalgebra::Vector2;
 
     #[test]
     fn what_is_not_told_apart_is_named() {

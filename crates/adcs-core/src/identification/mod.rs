@@ -47,19 +47,26 @@ pub struct Recorded<T> {
     pub dipole_am2: [T; 3],
 }
 
-/// Standard deviations of a sensor's readings, each axis.
+/// Standard deviations of what the sensors show, each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise<T> {
     /// Of the gyros, rad/s.
     pub rate_rad_s: T,
     /// Of the magnetometer, T.
     pub field_t: T,
+    /// What its calibration leaves of its bias, each axis, T.
+    pub field_offset_t: T,
 }
 
 impl<T: RealField + Copy> Default for Noise<T> {
-    /// SPROUT's: 0.163 deg/s by the paper; 586 nT, its converter's step and its sensor's noise.
+    /// SPROUT's: 0.163 deg/s by the paper, 586 nT as its 0.586 nT are read (docs/paper.md), and half as much for what
+    /// a calibration leaves.
     fn default() -> Self {
-        Self { rate_rad_s: number(0.163_f64.to_radians()), field_t: number(586e-9) }
+        Self {
+            rate_rad_s: number(0.163_f64.to_radians()),
+            field_t: number(586e-9),
+            field_offset_t: number(300e-9),
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::report::chart::{Chart, Series, Style, colour};
 pub fn chart(measured: &[Measured], before: DataSheet<f64>, outcome: &Outcome) -> Option<Chart> {
     let rows = Timed::of(measured)?;
     let by_data_sheet = |one: &Measured| by_data_sheet(one, before).norm() / 1e3;
-    let calibrated = |one: &Measured| Vector3::from(outcome.field(one)).norm() / 1e3;
+    let calibrated = |one: &Measured| outcome.field(one).norm() / 1e3;
     let igrf = |one: &Measured| one.sample.intensity / 1e3;
     Some(Chart {
         title: "Strength of the field",
@@ -38,9 +38,7 @@ pub fn angle_chart(
     outcome: &Outcome,
 ) -> Option<Chart> {
     let rows = Timed::of(measured)?;
-    let angle = |one: &Measured| {
-        by_data_sheet(one, before).angle(&Vector3::from(outcome.field(one))).to_degrees()
-    };
+    let angle = |one: &Measured| by_data_sheet(one, before).angle(&outcome.field(one)).to_degrees();
     Some(Chart {
         title: "What the calibration turns the field by",
         y_label: "angle, deg",

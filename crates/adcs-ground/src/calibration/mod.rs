@@ -54,6 +54,8 @@ pub struct Request<'a> {
     pub unbiased: bool,
     /// The currents that the table has.
     pub currents: Currents,
+    /// Whether axes that are found wired otherwise are put right.
+    pub apply_signs: bool,
     /// The satellite's tensor, for the naming of axes.
     pub inertia_kg_m2: [[f64; 3]; 3],
 }
@@ -134,7 +136,7 @@ pub fn solve(measured: &[Measured], request: &Request<'_>) -> Result<Outcome, Un
         Model::Auto => by_evidence(&settled, request)?,
     };
     let naming = naming::name(measured, &fit, request.currents.unsettle, request.inertia_kg_m2);
-    Ok(Outcome::new(name, used, request, &fit, judged, naming))
+    Ok(Outcome::new(name, used, request, fit, judged, naming))
 }
 
 type Chosen<'a> = (&'static str, &'a [Measured], Fit, Vec<Judged>);

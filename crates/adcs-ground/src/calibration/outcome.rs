@@ -50,6 +50,11 @@ pub struct Outcome {
     pub axes: Option<Naming>,
     /// What the flight software takes.
     pub correction: Correction,
+    #[serde(skip)]
+    fit: Fit,
+    /// Along which of Body's axes the sensor's are, where they are put right.
+    #[serde(skip)]
+    put_right: SignedPermutation,
 }
 
 /// Least, largest and root mean square.
@@ -125,16 +130,18 @@ impl Outcome {
         model: &'static str,
         used: &[Measured],
         request: &Request<'_>,
-        fit: &Fit,
+        fit: Fit,
         evidence: Vec<Judged>,
         axes: Option<Naming>,
     ) -> Self {
+        let wiring = axes.as_ref().and_then(|axes| axes.wiring).filter(|_| request.apply_signs);
+        let put_right = wiring.unwrap_or(SignedPermutation::IDENTITY);
         let (found, sigma) = (fit.parameters(), fit.sigmas());
         let before = |one: &Measured| {
             let sheet = request.before;
             Vector3::from(one.sample.reading).map(|v| sheet.sensitivity * (v - sheet.zero))
         };
-        let after = |one: &Measured| Vector3::from(fit.field(one));
+        let after = |one: &Measured| put_right.apply(Vector3::from(fit.field(one)));
         let of_norm = |field: &dyn Fn(&Measured) -> Vector3<f64>| {
             Range::of(used.iter().map(|one| field(one).norm() - one.sample.intensity))
         };
@@ -159,7 +166,8 @@ impl Outcome {
                     field_sigma_nt: sigma.coupling(index),
                 })
                 .collect(),
-            unbiased: request.unbiased,
+            // TWOSTEP never has the shift.
+            unbiased: request.unbiased || model == "twostep",
             cost_nt4: fit.cost,
             samples: fit.samples,
             iterations: fit.iterations,
@@ -171,42 +179,25 @@ impl Outcome {
             ),
             evidence,
             axes,
-            correction: found.correction(request.driver).into(),
+            correction: Correction::new(found.correction(request.driver), put_right),
+            fit,
+            put_right,
         }
     }
 
-    /// The calibrated field of a reading, nT.
-    pub fn field(&self, measured: &Measured) -> [f64; 3] {
-        let ([s_x, s_y, s_z], [xy, xz, yz]) = (self.scale_nt_per_v, self.cross_axis);
-        let [v_x, v_y, v_z] = measured.sample.reading;
-        let (x, y, z) = (s_x * v_x, s_y * v_y, s_z * v_z);
-        let sheared = [x + xy * y + xz * z, y + xy * x + yz * z, z + xz * x + yz * y];
-        let mut field = Vector3::from(sheared) + Vector3::from(self.bias_nt);
-        for (coupling, current) in self.couplings.iter().zip(measured.currents) {
-            field += Vector3::from(coupling.field_nt) * current;
-        }
-        field.into()
-    }
-}
-
-impl From<calibration::Correction<f64>> for Correction {
-    fn from(it: calibration::Correction<f64>) -> Self {
-        let calibration::Correction { scale, cross_axis, bias } = it;
-        Self { scale, cross_axis, bias_nt: bias, alignment_xyzw: None }
+    /// The calibrated field of a reading, nT; in Body, where axes were put right.
+    pub fn field(&self, measured: &Measured) -> Vector3<f64> {
+        self.put_right.apply(Vector3::from(self.fit.field(measured)))
     }
 }
 
 impl Correction {
-    /// The same with the sensor's axes along these of Body.
-    #[must_use]
-    pub fn along(&self, axes: SignedPermutation) -> Self {
-        let Self { scale, cross_axis, bias_nt: bias, .. } = *self;
-        let (turned, rotation) = calibration::Correction { scale, cross_axis, bias }.along(axes);
+    /// What the flight software takes, with the sensor's axes along these of Body.
+    fn new(found: calibration::Correction<f64>, axes: SignedPermutation) -> Self {
+        let (calibration::Correction { scale, cross_axis, bias }, rotation) = found.along(axes);
         let exchanged = rotation.angle_rad() > 0.0;
-        Self {
-            alignment_xyzw: exchanged.then(|| rotation.attitude_quaternion()),
-            ..Self::from(turned)
-        }
+        let alignment_xyzw = exchanged.then(|| rotation.attitude_quaternion());
+        Self { scale, cross_axis, bias_nt: bias, alignment_xyzw }
     }
 
     /// The section as a mission file has it, and as it is uplinked: in single precision.

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use adcs_core::calibration::{DataSheet, Start};
-use adcs_core::frames::SignedPermutation;
 use adcs_ground::calibration::{self, Columns, Measured, Model, Naming, Outcome, Request};
 use adcs_ground::identification::Tensor;
 use adcs_ground::report::chart::Chart;
@@ -31,7 +30,8 @@ Models, B being the field and V the voltages:
   paper    B = scale V + bias, by Gauss-Newton on  E = sum (|B|^2 - |IGRF|^2)^2
   nine     B = C (scale V) + bias, C symmetric with ones on its diagonal: axes
            that are not square
-  twostep  the same nine by TWOSTEP (Alonso & Shuster), which needs no start
+  twostep  the same nine by TWOSTEP (Alonso & Shuster), which needs no start; always
+           without the shift by noise
   coupled  nine, and for each current the field that it makes (Springmann & Cutler)
   auto     the smallest of paper, nine and (for a table with currents) coupled
            that the data ask for, by Schwarz' criterion
@@ -208,11 +208,12 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
         single: args.single,
         unbiased: args.unbiased,
         currents: currents.context("no header")?,
+        apply_signs: args.apply_signs,
         inertia_kg_m2: args.inertia.rows(),
     };
-    let mut outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
+    let outcome = calibration::solve(&measured, &request).with_context(|| name(&args.input))?;
     if args.apply_signs {
-        outcome.correction = outcome.correction.along(wiring(&outcome)?);
+        must_be_named(outcome.axes.as_ref())?;
     }
 
     let mut plots = Vec::new();
@@ -241,12 +242,12 @@ fn calibrate(args: &Args) -> anyhow::Result<Tally> {
     Ok(tally)
 }
 
-/// Along which of Body's axes the sensor's were found to be.
-fn wiring(outcome: &Outcome) -> anyhow::Result<SignedPermutation> {
-    match &outcome.axes {
+/// Refuses to go on with axes that nobody could name.
+fn must_be_named(axes: Option<&Naming>) -> anyhow::Result<()> {
+    match axes {
         None => bail!("--apply-signs needs the columns t_s and gyro_x_deg_s, _y_, _z_"),
-        Some(Naming { wiring: Some(wiring), .. }) => Ok(*wiring),
-        Some(Naming { open, .. }) => bail!("--apply-signs: {}", open.as_deref().unwrap_or("open")),
+        Some(Naming { open: Some(open), .. }) => bail!("--apply-signs: {open}"),
+        Some(_) => Ok(()),
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use adcs_core::identification::Noise;
 use adcs_ground::identification::{self, Columns, Line, Settings, Tensor};
 use adcs_ground::table::{self, Output, Tally};
 use anyhow::Context as _;
@@ -21,21 +22,22 @@ Reads the columns
   sun_x, sun_y, sun_z, sun_field_cosine   (optional) Sun as measured, Body; cosine
                                  of the angle between Sun and field by the models
 or the history.csv of a flight (adcs fly), whose true Sun and field stand for the
-models. Between two fields the gyros turn the last one on, for 60 s at most.
+models. Between two fields the gyros turn the last one on. A record is taken up anew
+after a gap of 60 s.
 
 Finds, each with its sigma, or says why not
   torque_eq_2           by the paper's eq. (2), beside what gyro noise alone makes
   residual_dipole_eq_3  by the paper's eq. (3)
-  residual_dipole       by the balance of angular momentum, which takes no differences
+  residual_dipole       by Euler's equations, followed through time
   sensitivity           change of that for 1 % of a moment and for 1000 nT of bias
   inertia               tensor with the trace of --inertia
-  torquer_gains         true over commanded dipole: needs torquers that work
+  torquer_gains         true over commanded dipole, whatever the tensor: needs torquers that work
   gyro_bias             from how the field turns: needs a tumble
   sun_alignment         turn of the Sun sensors against the magnetometer
   table_5_1             rows of the paper's table 5.1 beside what follows from this
 
-Sigma is of noise alone. Errors of the tensor and of the field are not in it, and
-are larger: look at sensitivity.
+Sigma knows of noise, gyro bias, the field's own turning, gravity gradient and drag. An
+error of the tensor that is told, or of the field, is not in it: look at sensitivity.
 
 Example
   $ adcs identify out/no-control/history.csv -o identified.json \\
@@ -56,21 +58,17 @@ pub struct Args {
     #[arg(long, value_name = "KG_M2")]
     inertia: Tensor,
 
-    /// Length of a segment of the momentum's balance, s
-    #[arg(long, value_name = "S", default_value_t = 300.0)]
-    segment_s: f64,
-
     /// Step of the differences of eq. (2), s
     #[arg(long, value_name = "S", default_value_t = 2.0)]
     difference_s: f64,
 
-    /// Least time between two fields that tell the gyros' bias, s
-    #[arg(long, value_name = "S", default_value_t = 20.0)]
-    field_interval_s: f64,
-
     /// Noise of a gyro's reading, deg/s
     #[arg(long, value_name = "DEG_S", default_value_t = 0.163)]
     gyro_noise_deg_s: f64,
+
+    /// Noise of the magnetometer, each axis, nT
+    #[arg(long, value_name = "NT", default_value_t = 586.0)]
+    field_noise_nt: f64,
 
     /// The result; - is standard output
     #[arg(short = 'o', long = "output", value_name = "OUT.json", default_value = "-")]
@@ -87,10 +85,12 @@ fn identify(args: &Args) -> anyhow::Result<Tally> {
     let lines: Vec<Line> = rows.into_iter().flatten().collect();
     let settings = Settings {
         inertia_kg_m2: args.inertia.rows(),
-        segment_s: args.segment_s,
         difference_s: args.difference_s,
-        field_interval_s: args.field_interval_s,
-        gyro_noise_rad_s: args.gyro_noise_deg_s.to_radians(),
+        noise: Noise {
+            rate_rad_s: args.gyro_noise_deg_s.to_radians(),
+            field_t: args.field_noise_nt * 1e-9,
+            ..Noise::default()
+        },
     };
     let found = identification::identify(&lines, &settings)?;
     let json = serde_json::to_string_pretty(&found)?;

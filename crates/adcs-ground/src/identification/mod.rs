@@ -8,7 +8,7 @@ use adcs_core::identification::gyro::GyroBias;
 use adcs_core::identification::momentum::MomentumFit;
 use adcs_core::identification::sun::SunAlignment;
 use adcs_core::identification::torque::{DipoleByDifferences, central_torque, torque_noise};
-use adcs_core::identification::{IdentificationError, Recorded};
+use adcs_core::identification::{IdentificationError, Noise, Recorded};
 use nalgebra::{Matrix3, Vector3};
 
 pub use input::{Columns, Line};
@@ -28,14 +28,10 @@ const FIELD_BIAS_T: f64 = 1e-6;
 pub struct Settings {
     /// Tensor, Body, kg·m².
     pub inertia_kg_m2: [[f64; 3]; 3],
-    /// Of the momentum's balance, s.
-    pub segment_s: f64,
     /// Between rates whose differences are taken, s.
     pub difference_s: f64,
-    /// Between fields that are compared for the gyro bias, s.
-    pub field_interval_s: f64,
-    /// Of a gyro's reading, rad/s.
-    pub gyro_noise_rad_s: f64,
+    /// Of the sensors' readings.
+    pub noise: Noise<f64>,
 }
 
 /// Identifies whatever the record supports.
@@ -46,17 +42,17 @@ pub fn identify(
     lines: &[Line],
     settings: &Settings,
 ) -> Result<Identification, IdentificationError> {
-    let Settings { inertia_kg_m2: inertia, segment_s, .. } = *settings;
+    let Settings { inertia_kg_m2: inertia, noise, .. } = *settings;
     let records = || lines.iter().map(|line| &line.recorded);
 
     let mut differences = DipoleByDifferences::new(inertia)?;
     records().for_each(|recorded| differences.add(recorded));
-    let mut ratios = MomentumFit::ratios(inertia, segment_s)?;
+    let mut ratios = MomentumFit::ratios(inertia, noise)?;
     records().for_each(|recorded| ratios.add(recorded));
-    let mut gains = MomentumFit::gains(inertia, segment_s)?;
+    let mut gains = MomentumFit::ratios_and_gains(inertia, noise)?;
     records().for_each(|recorded| gains.add(recorded));
 
-    let residual_dipole = Finding::of(dipole(lines, inertia, segment_s, Vector3::zeros())?)
+    let residual_dipole = Finding::of(dipole(lines, inertia, noise, Vector3::zeros())?)
         .map(|found| Dipole::of(&found));
     let torque_eq_2 = torque(lines, settings);
     let table_5_1 = table_5_1(lines, settings, &residual_dipole, &torque_eq_2);
@@ -68,7 +64,7 @@ pub fn identify(
         residual_dipole_eq_3: Finding::of(differences.solve()).map(|found| Dipole::of(&found)),
         inertia: Finding::of(ratios.solve()).map(|found| Tensors::of(&ratios, &found)),
         torquer_gains: Finding::of(gains.solve()).map(|found| Gains::of(&found)),
-        gyro_bias: gyro_bias(lines, settings)?,
+        gyro_bias: gyro_bias(lines, settings),
         sun_alignment: sun_alignment(lines),
         residual_dipole,
         table_5_1,
@@ -82,10 +78,10 @@ type Solved<const N: usize> =
 fn dipole(
     lines: &[Line],
     inertia: [[f64; 3]; 3],
-    segment_s: f64,
+    noise: Noise<f64>,
     bias: Vector3<f64>,
 ) -> Result<Solved<3>, IdentificationError> {
-    let mut fit = MomentumFit::dipole(inertia, segment_s)?;
+    let mut fit = MomentumFit::dipole(inertia, noise)?;
     for line in lines {
         let field_t = line.recorded.field_t.map(|field| (Vector3::from(field) + bias).into());
         fit.add(&Recorded { field_t, ..line.recorded });
@@ -98,8 +94,8 @@ fn sensitivity(
     lines: &[Line],
     settings: &Settings,
 ) -> Result<Vec<Sensitivity>, IdentificationError> {
-    let Settings { inertia_kg_m2: inertia, segment_s, .. } = *settings;
-    let Ok(found) = dipole(lines, inertia, segment_s, Vector3::zeros())? else {
+    let Settings { inertia_kg_m2: inertia, noise, .. } = *settings;
+    let Ok(found) = dipole(lines, inertia, noise, Vector3::zeros())? else {
         return Ok(Vec::new());
     };
     let mut table = Vec::new();
@@ -111,13 +107,13 @@ fn sensitivity(
     for (axis, name) in ["xx", "yy", "zz"].iter().enumerate() {
         let mut told = inertia;
         told[axis][axis] *= 1.0 + OF_A_MOMENT;
-        let moved = dipole(lines, told, segment_s, Vector3::zeros())?;
+        let moved = dipole(lines, told, noise, Vector3::zeros())?;
         add(format!("inertia {name} {:+.0} %", 100.0 * OF_A_MOMENT), moved);
     }
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         let mut bias = Vector3::zeros();
         bias[axis] = FIELD_BIAS_T;
-        let moved = dipole(lines, inertia, segment_s, bias)?;
+        let moved = dipole(lines, inertia, noise, bias)?;
         add(format!("field bias {name} {:+.0} nT", FIELD_BIAS_T * 1e9), moved);
     }
     Ok(table)
@@ -150,7 +146,7 @@ fn torque(lines: &[Line], settings: &Settings) -> Option<Torque> {
         largest_n_m: largest,
         of_gyro_noise_n_m: torque_noise(
             settings.inertia_kg_m2,
-            settings.gyro_noise_rad_s,
+            settings.noise.rate_rad_s,
             span / count,
         ),
     })
@@ -178,21 +174,21 @@ fn table_5_1(
     }
 }
 
-fn gyro_bias(lines: &[Line], settings: &Settings) -> Result<Finding<Bias>, IdentificationError> {
+fn gyro_bias(lines: &[Line], settings: &Settings) -> Finding<Bias> {
     let temperatures: Vec<f64> = lines.iter().filter_map(|line| line.temperature_c).collect();
     let coldest = temperatures.iter().copied().fold(f64::INFINITY, f64::min);
     let warmest = temperatures.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if temperatures.len() == lines.len() && warmest > coldest {
         let reference_c = (coldest + warmest) / 2.0;
-        let mut fit = GyroBias::with_temperature(settings.field_interval_s, reference_c)?;
+        let mut fit = GyroBias::with_temperature(settings.noise, reference_c);
         for line in lines {
-            fit.add(&line.recorded, line.temperature_c.unwrap_or(reference_c));
+            fit.add(&line.recorded, line.temperature_c.unwrap_or(reference_c), None);
         }
-        return Ok(Finding::of(fit.solve()).map(|found| Bias::warm(&found, reference_c)));
+        return Finding::of(fit.solve()).map(|found| Bias::warm(&found, reference_c));
     }
-    let mut fit = GyroBias::constant(settings.field_interval_s)?;
-    lines.iter().for_each(|line| fit.add(&line.recorded, 0.0));
-    Ok(Finding::of(fit.solve()).map(|found| Bias::constant(&found)))
+    let mut fit = GyroBias::constant(settings.noise);
+    lines.iter().for_each(|line| fit.add(&line.recorded, 0.0, None));
+    Finding::of(fit.solve()).map(|found| Bias::constant(&found))
 }
 
 fn sun_alignment(lines: &[Line]) -> Finding<Alignment> {

@@ -2,13 +2,10 @@
 
 use std::fmt;
 
-use adcs_core::identification::momentum::{GAIN_UNKNOWNS, MomentumFit, RATIO_UNKNOWNS};
+use adcs_core::identification::momentum::{ALL_UNKNOWNS, MomentumFit, RATIO_UNKNOWNS};
 use adcs_core::identification::{IdentificationError, Solution};
 use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
-
-/// The field of a polar orbit turns twice as fast as the satellite goes round, deg/s.
-const ORBIT_DEG_S: f64 = 0.12;
 
 /// Something that was found, or the reason why not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -134,8 +131,6 @@ pub struct Bias {
     pub deg_s: [f64; 3],
     /// By noise alone.
     pub sigma_deg_s: [f64; 3],
-    /// What the turning of the field along the orbit may add, about the axis of a steady spin.
-    pub orbit_may_add_deg_s: f64,
     /// Temperature of the bias.
     pub at_c: Option<f64>,
     /// Slope, where there are temperatures.
@@ -196,10 +191,10 @@ impl Tensors {
 }
 
 impl Gains {
-    pub(super) fn of(found: &Solution<f64, GAIN_UNKNOWNS>) -> Self {
+    pub(super) fn of(found: &Solution<f64, ALL_UNKNOWNS>) -> Self {
         // Columns of G; rows of its transpose.
-        let matrix = |values: nalgebra::SVector<f64, GAIN_UNKNOWNS>| {
-            let columns = Matrix3::from_iterator(values.iter().skip(3).copied());
+        let matrix = |values: nalgebra::SVector<f64, ALL_UNKNOWNS>| {
+            let columns = Matrix3::from_iterator(values.iter().skip(RATIO_UNKNOWNS).copied());
             columns.transpose().into()
         };
         Self { matrix: matrix(found.x), sigma: matrix(found.sigma()), condition: found.condition }
@@ -211,7 +206,6 @@ impl Bias {
         Self {
             deg_s: three(&found.x, 0).map(f64::to_degrees),
             sigma_deg_s: three(&found.sigma(), 0).map(f64::to_degrees),
-            orbit_may_add_deg_s: ORBIT_DEG_S,
             at_c: None,
             slope_deg_s_per_c: None,
             slope_sigma_deg_s_per_c: None,
@@ -222,7 +216,6 @@ impl Bias {
         Self {
             deg_s: three(&found.x, 0).map(f64::to_degrees),
             sigma_deg_s: three(&found.sigma(), 0).map(f64::to_degrees),
-            orbit_may_add_deg_s: ORBIT_DEG_S,
             at_c: Some(at_c),
             slope_deg_s_per_c: Some(three(&found.x, 3).map(f64::to_degrees)),
             slope_sigma_deg_s_per_c: Some(three(&found.sigma(), 3).map(f64::to_degrees)),
@@ -301,7 +294,6 @@ impl fmt::Display for Identification {
         })?;
         of_finding(f, "gyro bias", &self.gyro_bias, |f, it| {
             line(f, "gyro bias", &it.deg_s, &it.sigma_deg_s, "deg/s")?;
-            writeln!(f, "    the orbit may add up to {ORBIT_DEG_S} deg/s about a steady spin")?;
             match (&it.slope_deg_s_per_c, &it.slope_sigma_deg_s_per_c) {
                 (Some(slope), Some(sigma)) => {
                     line(f, "gyro slope", slope, sigma, "deg/s per deg C")

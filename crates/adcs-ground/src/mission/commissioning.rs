@@ -1,6 +1,6 @@
 //! Section `modes.commissioning`: the ladder.
 
-use adcs_core::commissioning::{Commit, CommissioningError, CommissioningParameters, StepTime};
+use adcs_core::commissioning::{CommissioningError, CommissioningParameters, Commit, StepTime};
 
 use super::problem::Fault;
 use super::section::Section;

@@ -4,12 +4,12 @@ use adcs_core::polarity::SignedPermutation;
 use adcs_sim::noise::Gaussian;
 use nalgebra::Vector3;
 
-use super::FlawSizes;
 use super::super::random::{gaussian, symmetric, uniform};
 use super::super::sprout::{
     self, BIAS_WALK_RAD_S_PER_SQRT_S, DEG, FIELD_NOISE_T, GYRO_NOISE_RAD_S, RESIDUAL_DIPOLE_AM2,
     SUN_NOISE_RAD,
 };
+use super::FlawSizes;
 
 /// One set of flights; what is drawn at random differs from seed to seed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -48,9 +48,8 @@ impl Summary {
         let found = self.satellites.iter().flat_map(|it| &it.found);
         let all: Vec<&Found> = found.filter(|it| it.quantity == quantity).collect();
         let count = all.len();
-        let mean = |of: &dyn Fn(&Found) -> f64| {
-            all.iter().map(|it| of(it)).sum::<f64>() / count as f64
-        };
+        let mean =
+            |of: &dyn Fn(&Found) -> f64| all.iter().map(|it| of(it)).sum::<f64>() / count as f64;
         Coverage {
             count,
             inside: share(all.iter().map(|it| it.is_inside())),
@@ -70,13 +69,15 @@ impl Summary {
 
     /// Share of satellites below a rate two or three orbits after the commit.
     pub fn below(&self, rate_rad_s: f64, orbits: usize) -> f64 {
-        let rates = self.satellites.iter().filter_map(|it| it.after.rate_rad_s.get(orbits - 2)?.as_ref());
+        let rates =
+            self.satellites.iter().filter_map(|it| it.after.rate_rad_s.get(orbits - 2)?.as_ref());
         share(rates.map(|rate| *rate < rate_rad_s))
     }
 
     /// Mean and 95 % of the angle to the Orbit frame, deg, and the worst satellite's mean.
     pub fn pointing_deg(&self) -> (f64, f64, f64) {
-        let all = || self.satellites.iter().flat_map(|it| &it.after.angles_deg).map(|&it| f64::from(it));
+        let all =
+            || self.satellites.iter().flat_map(|it| &it.after.angles_deg).map(|&it| f64::from(it));
         let mean = all().sum::<f64>() / all().count() as f64;
         let worst = self.satellites.iter().map(mean_deg).fold(0.0, f64::max);
         (mean, quantile(all().collect(), 0.95), worst)

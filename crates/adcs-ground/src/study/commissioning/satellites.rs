@@ -1,7 +1,7 @@
 //! What is true of the satellites, and what their software is told.
 
 use adcs_app::parameters::{FlightParameters, FlownParameters, ModesParameters};
-use adcs_core::commissioning::{Commit, CommissioningParameters};
+use adcs_core::commissioning::{CommissioningParameters, Commit};
 use adcs_core::modes::{Mode, ModeParameters};
 use adcs_core::pipeline::{RateFrom, SteeringParameters};
 use adcs_core::polarity::PolarityParameters;
@@ -42,7 +42,11 @@ impl World {
             rate: StartingRate::Between([3.0 * DEG, 8.0 * DEG]),
             start_in_sunlight: false,
             inertia: InertiaError::Within(0.10),
-            gyro: GyroTruth { bias_rad_s: 0.3 * DEG, sampling: Sampling::OnceASecond, ..GyroTruth::default() },
+            gyro: GyroTruth {
+                bias_rad_s: 0.3 * DEG,
+                sampling: Sampling::OnceASecond,
+                ..GyroTruth::default()
+            },
             flaws: FlawSizes {
                 scale: 0.2,
                 cross_axis: 0.05,

@@ -446,7 +446,7 @@ fn a_command_without_a_law_is_refused_and_the_mode_stays() {
 #[test]
 fn commissioning_that_hears_nothing_ends_in_safety_and_without_parameters_is_refused() {
     let mut flight = Flight::within(Mode::Commissioning, |_| {});
-    flight.fly(400.0);
+    flight.fly(1_300.0);
     let expected = (Mode::Safe, Cause::Unchecked(Undecided::NoRate));
     assert_eq!(flight.causes()[0], expected);
     let mut modes = machine(|_| {});

@@ -1,7 +1,7 @@
 //! The mode machine and its commands, as missions write them.
 
 use adcs_app::{LawParameters, ModesParameters};
-use adcs_core::commissioning::{Commit, CommissioningParameters, StepTime};
+use adcs_core::commissioning::{CommissioningParameters, Commit, StepTime};
 use adcs_core::modes::{Mode, ModeParameters, Needs};
 use adcs_ground::mission::{self, Problem};
 use adcs_sim::scenario::{Order, Scenario, TimedCommand};

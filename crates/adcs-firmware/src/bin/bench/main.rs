@@ -7,6 +7,8 @@
 #[cfg(all(target_os = "none", feature = "emulated"))]
 mod counter;
 #[cfg(all(target_os = "none", feature = "emulated"))]
+mod ladder;
+#[cfg(all(target_os = "none", feature = "emulated"))]
 mod scenario;
 #[cfg(all(target_os = "none", feature = "emulated"))]
 mod stages;

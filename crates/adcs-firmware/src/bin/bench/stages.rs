@@ -46,7 +46,7 @@ use igrf::{Coefficients, DecimalYear};
 use semihosting::eprintln;
 use sgp4_lite::{MinutesSinceEpoch, Propagator};
 
-use crate::{counter::Counter, scenario::despin};
+use crate::{counter::Counter, ladder, scenario::despin};
 
 /// Where SPROUT is in the scenario, Earth fixed, km, rounded.
 const POSITION_KM: [f64; 3] = [-3_470.0, 3_430.0, 4_990.0];
@@ -63,6 +63,7 @@ pub fn run(counter: &Counter) {
     dynamic(counter);
     blocks(counter);
     guard(counter);
+    ladder::run(counter);
     pointing(counter);
     planning(counter);
     calibration(counter);
@@ -506,6 +507,6 @@ impl Stage<'_> {
     }
 }
 
-fn print(name: &str, instructions: u64) {
+pub fn print(name: &str, instructions: u64) {
     eprintln!("instructions {name} {instructions}");
 }

@@ -116,7 +116,8 @@ fn twenty_minutes_of_commissioning_have_the_same_bits_on_the_emulated_core() {
     // Every rung, the commit, and the filters that begin anew with it.
     let scenario = brief_commissioning();
     let flown = fly(&scenario);
-    let rungs = flown.records.iter().filter(|it| it.commissioning.is_some_and(|it| it.ended.is_some()));
+    let rungs =
+        flown.records.iter().filter(|it| it.commissioning.is_some_and(|it| it.ended.is_some()));
     assert_eq!(rungs.count(), adcs_core::commissioning::RUNGS);
     assert!(flown.records.iter().any(|it| it.committed));
     let (host, emulated) = digests_of("commissioning", scenario);

@@ -71,7 +71,8 @@ fn failing_with(mode: Mode, kinds: &[FaultKind]) -> Flight {
     }
     let entered = TimedCommand { cycle: 900 * CYCLES_A_SECOND, order: Order::Enter(mode) };
     scenario.commands = [None; COMMANDS];
-    scenario.commands[0] = Some(TimedCommand { cycle: 10 * CYCLES_A_SECOND, order: Order::Enter(Mode::Acquire) });
+    scenario.commands[0] =
+        Some(TimedCommand { cycle: 10 * CYCLES_A_SECOND, order: Order::Enter(Mode::Acquire) });
     scenario.commands[1] = Some(entered);
     scenario.cycles = 2_000 * CYCLES_A_SECOND;
     let fault = |kind: &FaultKind| Fault {
@@ -140,8 +141,8 @@ fn without_sun_sensors_despin_goes_on_to_its_end_and_then_to_safety() {
         (Mode::Detumble, 120.0..=1_000.0, Cause::Silent(Sensor::SunSensors)),
         (Mode::Experiment, 309.0..=311.0, Cause::Over),
     ] {
-        scenario.commands[0] =
-            (mode == Mode::Experiment).then_some(TimedCommand { cycle: 20, order: Order::Enter(mode) });
+        scenario.commands[0] = (mode == Mode::Experiment)
+            .then_some(TimedCommand { cycle: 20, order: Order::Enter(mode) });
         // THEN despin goes on to its end, and from there to safety
         let flight = fly_with_faults(&scenario, &faults);
         let all = transitions(&flight);

@@ -255,19 +255,20 @@ impl ModesParameters {
             Ok(Polarity { guard: Guard::new(parameters)?, check: ActiveCheck::new(parameters)? })
         });
         let polarity = polarity.transpose().map_err(ParameterError::Polarity)?;
-        let ladder = self.commissioning.as_ref().zip(self.polarity).map(|(parameters, polarity)| {
-            let told = Told {
-                magnetometer: *magnetometer,
-                inertia_kg_m2: polarity.inertia_kg_m2,
-                noise: Noise {
-                    rate_rad_s: polarity.gyro_noise_rad_s,
-                    field_t: polarity.field_noise_t,
-                    ..Noise::default()
-                },
-                settle_s,
-            };
-            Ladder::new(parameters, &told)
-        });
+        let ladder =
+            self.commissioning.as_ref().zip(self.polarity).map(|(parameters, polarity)| {
+                let told = Told {
+                    magnetometer: *magnetometer,
+                    inertia_kg_m2: polarity.inertia_kg_m2,
+                    noise: Noise {
+                        rate_rad_s: polarity.gyro_noise_rad_s,
+                        field_t: polarity.field_noise_t,
+                        ..Noise::default()
+                    },
+                    settle_s,
+                };
+                Ladder::new(parameters, &told)
+            });
         let ladder = ladder.transpose().map_err(ParameterError::Commissioning)?;
         Ok(Modes { table, despin, acquire, experiment, polarity, ladder })
     }

@@ -11,7 +11,9 @@
 //!
 //! [`calibrate`] is the paper's Gauss–Newton method, eqs. (4) and (5), in f32 on board and f64 on the
 //! ground. Samples are only ever walked through, so a fixed buffer, or anything that can be walked
-//! through again, will do; a pass holds one 6×6 matrix.
+//! through again, will do; a pass holds one 6×6 matrix. [`calibrate_extended`] has more unknowns. [`Sums`] keep
+//! no sample at all, choose the model, and are free of the shift that noise makes; [`axes`] tells which axis
+//! is which.
 //!
 //! ```
 //! use adcs_core::calibration::{DataSheet, Sample, Start, calibrate};

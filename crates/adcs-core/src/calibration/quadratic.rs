@@ -27,6 +27,26 @@ impl<T: RealField + Copy> Quadratic<T> {
     }
 }
 
+/// What the roundings of sums leave uncertain.
+pub(super) struct Rounding<T: RealField + Copy, const N: usize> {
+    /// Of the cost.
+    pub cost: T,
+    /// Of the gradient.
+    pub gradient: SVector<T, N>,
+}
+
+impl<T: RealField + Copy> Quadratic<T> {
+    /// Of sums that are uncertain by this part of themselves: everything added as if it had one sign.
+    pub fn rounding<const N: usize>(&self, x: &Parameters<T, N>, part: T) -> Rounding<T, N> {
+        let theta = monomial_factors(x).abs();
+        let (a_theta, u) = (self.a.abs() * theta, self.u.abs());
+        Rounding {
+            cost: (theta.dot(&(a_theta + u * number::<T>(2.0))) + self.v) * part,
+            gradient: monomial_slopes(x).abs().tr_mul(&(a_theta + u)) * part,
+        }
+    }
+}
+
 impl<T: RealField + Copy, const N: usize> Problem<T, N> for Quadratic<T> {
     fn pass(&self, x: &SVector<T, N>) -> Pass<T, N> {
         let x = Parameters(*x);

@@ -27,8 +27,9 @@
 //!
 //! whose middle is of the sixth degree: 84 sums more.
 //!
-//! The cost is a small difference of large numbers: 3e-5 of them for a noise of 100 nT. In f32 that still
-//! tells the noise to some percent, and the result to a fifth of sigma.
+//! **Rounding.** The cost is a small difference of large numbers: 3e-5 of them for a noise of 100 nT. In f32
+//! that still tells the noise to some percent. Of a sensor with less noise the sums' own roundings are what is not
+//! known: they are counted in, in the noise and in the covariance.
 
 use nalgebra::{ComplexField, RealField, SMatrix, SVector, convert_unchecked};
 
@@ -46,6 +47,10 @@ use super::{DataSheet, Sample, number, shown};
 
 /// Steps of the correction for noise. Each leaves a part of some σ²/I² of the error: four are plenty.
 const NOISE_STEPS: u32 = 6;
+
+/// How uncertain a sum of n alike terms is, in parts of itself, epsilons and √n: its partial sums S k/n were
+/// rounded by up to half an epsilon of them each, with √(1/12) · √(1/3) · 0.7 in the root mean square.
+const SUM_ROUNDINGS: f64 = 0.12;
 
 /// The sums so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -265,9 +270,13 @@ impl<T: RealField + Copy> Sums<T> {
             let gradient = pass.gradient - by_noise.gradient(&x, variance);
             x = Parameters(x.0 + spectrum.step(&gradient, T::zero()));
         }
-        let pass = quadratic.pass(&x.0);
+        let mut pass = quadratic.pass(&x.0);
+        let part = T::default_epsilon() * number::<T>(SUM_ROUNDINGS) * self.weight.sqrt();
+        let rounding = quadratic.rounding(&x, part);
+        // Noise below what the sums can tell is taken to be as large as that.
+        pass.cost = pass.cost.max(rounding.cost);
         let variance = self.variance(pass.cost, &by_noise, &x, variance);
-        self.finished(&pass, &x, variance)
+        self.finished(&pass, &x, variance, &rounding.gradient)
     }
 
     /// Scale and bias, and cross-axis terms where the readings ask for them.
@@ -307,6 +316,7 @@ impl<T: RealField + Copy> Sums<T> {
         pass: &Pass<T, N>,
         x: &Parameters<T, N>,
         variance: T,
+        rounding: &SVector<T, N>,
     ) -> Result<Recursive<T, N>, CalibrationError> {
         let spectrum = Spectrum::of(&pass.normal);
         let DataSheet { sensitivity, zero } = self.data_sheet;
@@ -317,11 +327,12 @@ impl<T: RealField + Copy> Sums<T> {
         });
         let slope = monomial_slopes(x);
         let middle = squares(&times(&self.sixth, &noise_gain(x)));
-        let scatter = slope.tr_mul(&(middle * slope)) * (variance * number(4.0));
+        let mut scatter = slope.tr_mul(&(middle * slope)) * (variance * number(4.0));
+        scatter += SMatrix::from_diagonal(&rounding.component_mul(rounding));
         let inverse = spectrum.inverse();
         let covariance = (inverse * scatter * inverse).component_mul(&(units * units.transpose()));
         let (parameters, transform) = from_zero(&Parameters(x.0.component_mul(&units)), zero);
-        let norm_error_rms = (pass.cost.max(T::zero()) / self.weight).sqrt() * self.unit;
+        let norm_error_rms = (pass.cost / self.weight).sqrt() * self.unit;
         let found = Recursive {
             parameters,
             covariance: transform * covariance * transform.transpose(),

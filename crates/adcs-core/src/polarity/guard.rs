@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::parameters::{PolarityError, PolarityParameters};
 use super::response::{Estimate, Response, Seen};
-use super::turning::{Turning, TurningEvidence};
+use super::turning::{FIELD_TURN_RAD_S, Turning, TurningEvidence};
 use super::verdict::{Evidence, GuardVerdict, Suspect};
 use crate::frames::{Body, SignedPermutation, Vector};
 use crate::reading::Reading;
@@ -58,6 +58,7 @@ pub struct GuardState {
 /// What energy is counted from.
 #[derive(Debug, Clone, Copy)]
 struct Balance {
+    at: Utc,
     energy_j: f32,
     /// σ of it.
     sigma_j: f32,
@@ -154,11 +155,9 @@ impl Guard {
             energy,
         });
         if let Some(it) = turning.filter(|it| it.wrong >= limit) {
-            return Some(match it.best {
-                _ if it.lead < NAMED => Suspect::Sensors,
-                wiring if wiring.is_rotation() => Suspect::GyroOrMagnetometer(wiring),
-                wiring => Suspect::Gyro(wiring),
-            });
+            let mirrors = !it.best.is_rotation();
+            let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
+            return Some(name(it.best));
         }
         if let Some(it) = response.filter(|it| it.wrong >= limit) {
             return Some(match it.best {
@@ -170,8 +169,9 @@ impl Guard {
         grown.then_some(Suspect::Unknown)
     }
 
-    /// The kinetic energy over that at the start, and whether it has grown beyond doubt, and by more than
-    /// the residual dipole has brought in: M · (B − B₀) is what that gives by turning in the field.
+    /// The kinetic energy over that at the start, and whether it has grown, and beyond doubt by more than
+    /// the residual dipole has brought in: turning in a field that stands still that gives M · (B − B₀), and
+    /// what it gives beside while the field turns in Eci counts as doubt.
     fn energy(&self, state: &mut GuardState) -> Option<(f32, bool)> {
         if !state.closed {
             return None;
@@ -180,15 +180,20 @@ impl Guard {
         let momentum = self.inertia * rate;
         let energy_j = 0.5 * rate.dot(&momentum);
         let sigma_j = momentum.component_mul(&rate_sigma).norm();
-        let start = *state.start.get_or_insert(Balance { energy_j, sigma_j, field });
+        let at = state.last?;
+        let start = *state.start.get_or_insert(Balance { at, energy_j, sigma_j, field });
         let turned = field - start.field;
         let by_dipole = dipole_sigma.component_mul(&turned).norm();
         let square = |x: f32| x * x;
         let sigma_j = libm::sqrtf(square(sigma_j) + square(start.sigma_j) + square(by_dipole));
         let mean = self.inertia.trace() / 3.0;
         let counted = start.energy_j.max(0.5 * mean * SLOW_RAD_S * SLOW_RAD_S);
-        let gained = energy_j - counted - dipole.dot(&turned).max(0.0) - ENERGY_SIGMAS * sigma_j;
+        let elapsed_s = at.seconds_since(start.at) as f32;
+        let carried_along = dipole.norm() * field.norm() * (FIELD_TURN_RAD_S * elapsed_s).min(2.0);
+        let doubt = ENERGY_SIGMAS * sigma_j + carried_along;
+        let gained = energy_j - counted - dipole.dot(&turned) - doubt;
+        let grown = energy_j > counted && gained > (ENERGY_GROWTH - 1.0) * counted;
         let ratio = energy_j / start.energy_j;
-        ratio.is_finite().then_some((ratio, gained > (ENERGY_GROWTH - 1.0) * counted))
+        ratio.is_finite().then_some((ratio, grown))
     }
 }

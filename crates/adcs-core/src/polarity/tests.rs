@@ -238,14 +238,15 @@ fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
     const QUARTER_S: u32 = 900;
     let guard = Guard::new(&PolarityParameters::default()).unwrap();
     let (mut rig, mut state) = (Rig::new(3.0, None), GuardState::default());
-    let mirrored = wiring("(+x, -y, +z)");
+    let mirrored = wiring("+x -y +z");
     let mut found = None;
     for second in 0..2 * QUARTER_S {
         if second == QUARTER_S {
             rig.fault = Some((Device::Gyro, mirrored));
         }
         for _ in 0..2 {
-            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true) {
+            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true)
+            {
                 found.get_or_insert((second, suspect));
             }
             rig.fly(Vector3::zeros());

@@ -29,7 +29,7 @@ const LONGEST_S: f32 = 30.0;
 /// Shorter ones tell nothing, s.
 const SHORTEST_S: f32 = 1.0;
 /// What the field turns in Eci along the orbit, twice the rate of a low orbit, rad/s.
-const FIELD_TURN_RAD_S: f32 = 2.2e-3;
+pub(super) const FIELD_TURN_RAD_S: f32 = 2.2e-3;
 /// A field that no wiring explains within this many σ is none.
 const EXPLAINED: f32 = 8.0;
 /// Over how long fields are remembered, s: some rounds decide in a tumble, and what turns wrong later must

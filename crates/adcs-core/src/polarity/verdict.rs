@@ -25,8 +25,6 @@ pub enum Suspect {
     TorquersOrReversedMagnetometer,
     /// Somebody: the energy grows.
     Unknown,
-    /// Gyro or magnetometer, in which way is not known.
-    Sensors,
 }
 
 /// What the guard goes by.
@@ -73,7 +71,6 @@ impl fmt::Display for Suspect {
             Self::TorquersOrReversedMagnetometer => {
                 write!(f, "torquers wired wrongly, or magnetometer reversed")
             }
-            Self::Sensors => write!(f, "gyro or magnetometer wired wrongly"),
             Self::Unknown => write!(f, "the energy grows"),
         }
     }

@@ -197,6 +197,8 @@ pub(crate) mod tests {
             sunlit: Some(1.0),
             determination: None,
             mode: None,
+            commissioning: None,
+            committed: false,
             control: ControlStatus::Resting,
             pointing_error_rad: None,
             commanded_am2: [0.0; 3],

@@ -159,7 +159,8 @@ impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, sigma, unit } = self;
         // Two digits of σ.
-        let decimals = if *sigma > 0.0 { (1.0 - sigma.log10().floor()).clamp(0.0, 9.0) } else { 6.0 };
+        let decimals =
+            if *sigma > 0.0 { (1.0 - sigma.log10().floor()).clamp(0.0, 9.0) } else { 6.0 };
         let decimals = decimals as usize;
         write!(f, "{name} {value:.decimals$} ± {sigma:.decimals$} {unit}")
     }

@@ -1,8 +1,8 @@
 //! A flight in a person's units, row by row: what history, plots and summary are made of.
 
 use adcs_core::attitude::selection::{AttitudeSource, RateSource, Reason};
-use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::commissioning::LadderReport;
+use adcs_core::frames::{Body, Eci, Rotation, Vector};
 use adcs_core::modes::ModeReport;
 use adcs_core::pipeline::ControlStatus;
 use adcs_core::reading::{MissingReason, Reading};

@@ -1,9 +1,10 @@
 //! The mode machine and its commands, as missions write them.
 
 use adcs_app::{LawParameters, ModesParameters};
+use adcs_core::commissioning::{Commit, CommissioningParameters, StepTime};
 use adcs_core::modes::{Mode, ModeParameters, Needs};
 use adcs_ground::mission::{self, Problem};
-use adcs_sim::scenario::{Scenario, TimedCommand};
+use adcs_sim::scenario::{Order, Scenario, TimedCommand};
 
 use crate::refused::assert_says;
 use crate::workshop::Workshop;
@@ -136,16 +137,20 @@ fn laws_that_cannot_do_what_their_mode_is_for_are_refused() {
 #[test]
 fn commands_are_modes_at_times() {
     let commands = |text: &str| with("", &format!("[commands]\n{text}"));
-    let scenario = commands("at_s = [10, 20.5]\nenter = [\"off\", \"detumble\"]").unwrap();
+    let list = "at_s = [10, 20.5]\nenter = [\"off\", \"detumble\"]\ncommit_at_s = [30]";
+    let scenario = commands(list).unwrap();
     let given: Vec<TimedCommand> = scenario.commands.into_iter().flatten().collect();
-    let expected = [(20, Mode::Off), (41, Mode::Detumble)];
-    assert_eq!(given, expected.map(|(cycle, enter)| TimedCommand { cycle, enter }));
+    let expected =
+        [(20, Order::Enter(Mode::Off)), (41, Order::Enter(Mode::Detumble)), (60, Order::Commit)];
+    assert_eq!(given, expected.map(|(cycle, order)| TimedCommand { cycle, order }));
     let refused = |text: &str, key: &str, reason: &str| {
         let problems = commands(text).expect_err("the mission was accepted");
         assert_says(&problems[0], key, reason, "");
     };
     refused("at_s = [10]\nenter = []", "commands.enter", "0 commands for 1 times");
     refused("at_s = [10.3]\nenter = [\"off\"]", "commands.at_s", "not the instant of a cycle");
+    let late = "at_s = [10]\nenter = [\"off\"]\ncommit_at_s = [1300]";
+    refused(late, "commands.commit_at_s", "not the instant of a cycle");
     refused("at_s = [1300]\nenter = [\"off\"]", "commands.at_s", "not the instant of a cycle");
     refused("at_s = [-1]\nenter = [\"off\"]", "commands.at_s", "impossible");
     refused("at_s = [1]\nenter = [\"sleep\"]", "commands.enter", "expected one of");
@@ -154,4 +159,35 @@ fn commands_are_modes_at_times() {
     refused(&format!("at_s = [{many}]\nenter = [{words}]"), "commands.at_s", "more than 8");
     let without = load(&format!("{HEAD}[commands]\nat_s = [1]\nenter = [\"off\"]"));
     assert_says(&without.unwrap_err()[0], "commands.enter", "no modes to enter", "[modes]");
+}
+
+#[test]
+fn the_ladder_is_what_its_section_says() {
+    let ladder = |text: &str| with("", &format!("[modes.commissioning]\n{text}"));
+    let of = |text: &str| ladder(text).unwrap().flight.modes.unwrap().commissioning.unwrap();
+    // Nothing said: the usual.
+    assert_eq!(of(""), CommissioningParameters::default());
+    let text = "sun_s = [100, 200.5]\nbias_sigma_nt = 300\ngyro_sigma_deg_s = 0.1\n\
+                commit = \"when-passed\"";
+    let found = of(text);
+    assert_eq!(found.sun, StepTime { least_s: 100.0, most_s: 200.5 });
+    assert_eq!((found.bias_sigma_t, found.commit), (300e-9, Commit::WhenPassed));
+    assert_eq!(found.gyro_sigma_rad_s, 0.1_f64.to_radians() as f32);
+    let refused = |text: &str, key: &str, reason: &str| {
+        let problems = ladder(text).expect_err("the mission was accepted");
+        assert_says(&problems[0], key, reason, "");
+    };
+    refused("sun_s = [200, 100]", "modes.commissioning.sun_s", "must be from");
+    refused("sun_s = [200]", "modes.commissioning.sun_s", "");
+    refused("bias_sigma_nt = -3", "modes.commissioning.bias_sigma_nt", "must be from");
+    refused("dipole_sigma_am2 = 1e9", "modes.commissioning.dipole_sigma_am2", "must be from");
+    refused("commit = \"later\"", "modes.commissioning.commit", "expected one of");
+    refused("wheel_s = [1, 2]", "modes.commissioning.wheel_s", "");
+}
+
+#[test]
+fn a_ladder_needs_what_looks_after_the_wiring() {
+    let problems = with("polarity_guard = false", "[modes.commissioning]\n");
+    let problems = problems.expect_err("the mission was accepted");
+    assert_says(&problems[0], "modes.polarity_guard", "active check", "");
 }

@@ -37,9 +37,9 @@ pub struct Pointed {
 /// One axis turned round, or all three, of each device.
 pub fn turned_round() -> Vec<Fault> {
     let of = |device| {
-        [1, 2, 4, 7].into_iter().filter_map(move |signs| {
-            Some(Fault { device, wiring: SignedPermutation::new(signs)? })
-        })
+        [1, 2, 4, 7]
+            .into_iter()
+            .filter_map(move |signs| Some(Fault { device, wiring: SignedPermutation::new(signs)? }))
     };
     Device::ALL.into_iter().flat_map(of).collect()
 }

@@ -9,7 +9,7 @@
 //! | B | | the field of the Earth, Body: read at rest, and turned on by the gyros while torquers are on |
 //!
 //! B as turned on gets worse with the time since the last rest: by the gyros' noise and bias, and by the field's
-//! own change along the orbit. Bias and change are estimated along ([`field_motion`](super::field_motion)), so
+//! own change along the orbit. Bias and change are estimated along (`field_motion.rs`), so
 //! that the gyros need not be calibrated before. A reading late in a pulse counts less by itself, and the next
 //! rest says afterwards how far off the turned field was.
 //!

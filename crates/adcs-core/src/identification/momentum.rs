@@ -4,9 +4,9 @@
 //!
 //! | symbol | code | meaning |
 //! |---|---|---|
-//! | ω, B | [`RATE`], [`FIELD`] | rate and field, Body |
-//! | w, d | [`TURN`], [`CHANGE`] | turn of the field in inertial space, its change besides; seen from Body |
-//! | b, c | [`BIAS`], [`OFFSET`] | gyro bias; what calibration left of the magnetometer's, Body |
+//! | ω, B | `RATE`, `FIELD` | rate and field, Body |
+//! | w, d | `TURN`, `CHANGE` | turn of the field in inertial space, its change besides; seen from Body |
+//! | b, c | `BIAS`, `OFFSET` | gyro bias; what calibration left of the magnetometer's, Body |
 //! | J | `inertia` | tensor, Body; as told, or with five unknowns that leave its trace alone |
 //! | M | [`MomentumFit::dipole`] | residual dipole, A·m² |
 //! | G | [`MomentumFit::gains`] | what the torquers make of a commanded dipole: one, when they do as they are told |
@@ -21,7 +21,7 @@
 //!
 //! Only products of J, M and G with each other show: M and G are in proportion to the trace of J as it is told.
 //!
-//! Source of the equation: Euler's; of the estimate: [`joint`](super::joint).
+//! Source of the equation: Euler's; of the estimate: `joint.rs`.
 
 use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, SVector, Vector3};
 

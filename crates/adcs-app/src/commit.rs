@@ -17,6 +17,9 @@ const LEAST_DIPOLE_SIGMA_AM2: f32 = 0.01;
 const LEAST_INERTIA_SIGMA: f32 = 0.005;
 /// And of the gyro bias, each axis, rad/s: 0.03 deg/s, what a few degrees of temperature make of it.
 const LEAST_BIAS_RAD_S: f32 = 5e-4;
+/// And of what calibration leaves of the field, each axis, T: σ knows of noise alone, and not of what the
+/// model of the field has wrong, or of what a warmer sensor shows.
+const LEAST_FIELD_T: f32 = 300e-9;
 /// A filter that starts is told a σ so many times that of the finding.
 const CAUTION: f32 = 2.0;
 
@@ -55,7 +58,8 @@ impl FlightParameters {
         let left = largest(&found.scale.sigma).max(largest(&found.cross_axis.sigma)) * STRENGTH_T;
         let bias = largest(&found.bias_t.sigma);
         if let Some(dynamics) = self.dynamics() {
-            dynamics.sensors.field_noise.calibration_t = libm::sqrtf(left * left + bias * bias);
+            let known = libm::sqrtf(left * left + bias * bias);
+            dynamics.sensors.field_noise.calibration_t = known.max(LEAST_FIELD_T);
         }
     }
 
@@ -78,6 +82,9 @@ impl FlightParameters {
     fn set_dipole(&mut self, found: &Three) {
         let known = (CAUTION * largest(&found.sigma)).max(LEAST_DIPOLE_SIGMA_AM2);
         if let Some(dynamics) = self.dynamics() {
+            // Found in proportion to the trace of the tensor, which is as uncertain as its moments.
+            let by_trace = dynamics.moment_prior * largest(&found.value.map(f32::abs));
+            let known = libm::sqrtf(known * known + by_trace * by_trace);
             dynamics.dipole_am2 = found.value;
             dynamics.dipole_prior_am2 = dynamics.dipole_prior_am2.min(known);
         }

@@ -26,7 +26,7 @@ impl Gyro {
         // By day field and Sun give an attitude, which tells how the field itself changes.
         let moved = seen.reference_field.zip(before).map(|(now, before)| now - before);
         let change = seen.attitude().zip(moved).map(|(r_bi, moved)| (r_bi * moved).to_array());
-        let recorded = instant.recorded(seen.quiet_field(), [0.0; 3]);
+        let recorded = instant.recorded(seen.quiet_field());
         self.estimate.add(&recorded, 0.0, change);
     }
 

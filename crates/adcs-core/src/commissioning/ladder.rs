@@ -10,7 +10,7 @@ use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
 use super::parameters::{CommissioningError, CommissioningParameters, Commit, StepTime};
 use super::sun::Sun;
-use super::track::{Instant, Track, finite};
+use super::track::{Instant, STRONGEST_T, Track, possible};
 use super::{Witnessed, track};
 use crate::frames::{Body, Direction, Eci, MagnetometerAxes, Rotation, Vector};
 use crate::identification::Noise;
@@ -103,8 +103,6 @@ pub(super) struct Seen {
     pub reference_field: Option<Vector<Eci>>,
     /// As seen, and as it should be seen.
     pub sun: Option<(Direction<Body>, Direction<Eci>)>,
-    /// To be taken off the gyros' rate, Body, rad/s.
-    pub gyro_bias: [f32; 3],
 }
 
 /// A result, and whether its σ passes the gate; `None` while the readings do not support one.
@@ -146,7 +144,7 @@ impl Ladder {
         if let Some(ended) = self.cannot_begin(state, rung) {
             return state.end(ended);
         }
-        let reading = finite(witnessed.reading);
+        let reading = possible(witnessed.reading, STRONGEST_T);
         let field = reading.and_then(|reading| self.calibrated(&state.findings, reading));
         if let Work::Polarity(work) = &mut state.work {
             let rests = field.filter(|_| passed.rests);
@@ -166,9 +164,10 @@ impl Ladder {
             field,
             rests: passed.rests,
             instant: passed.instant,
-            reference_field: witnessed.reference_field.filter(Vector::is_finite),
+            reference_field: witnessed
+                .reference_field
+                .and_then(|field| possible(Reading::Fresh(field), STRONGEST_T)),
             sun: witnessed.sun.map(|sun| turned(sun, &state.findings)).zip(witnessed.reference_sun),
-            gyro_bias: state.findings.gyro.map_or([0.0; 3], |gyro| gyro.value),
         };
         state.work.see(&seen);
         let StepTime { least_s, most_s } = self.time(rung);
@@ -190,6 +189,10 @@ impl Ladder {
         }
         let pulse = match rung {
             Rung::Coupling => check.pulse(state.rounds, witnessed.devices.phase),
+            // A tumble that shows the magnetometer too few directions: pulses change it.
+            Rung::Magnetometer if state.for_s > least_s => {
+                check.pulse(state.rounds, witnessed.devices.phase)
+            }
             _ => Vector::zero(),
         };
         LadderStep { pulse, report: LadderReport { rung: Some(rung), ended: None } }
@@ -221,7 +224,8 @@ impl Ladder {
             Rung::Gyro => Some(Work::Gyro(Gyro::new(noise))),
             Rung::Sun => Some(Work::Sun(Sun::default())),
             Rung::Dipole | Rung::Inertia => {
-                Momentum::new(self.told.inertia_kg_m2, noise).map(Work::Momentum)
+                Momentum::new(self.told.inertia_kg_m2, noise, state.findings.gyro)
+                    .map(Work::Momentum)
             }
         };
         let Some(work) = work else { return failed(Shortfall::NotSupported) };
@@ -238,7 +242,7 @@ impl Ladder {
         let told = &self.told.magnetometer;
         let found = findings.magnetometer.map(|found| found.correction(told));
         let triad = Triad::<MagnetometerAxes>::new(&found.unwrap_or(*told)).ok()?;
-        finite(triad.to_body(reading.to_array().map(Reading::Fresh)))
+        possible(triad.to_body(reading.to_array().map(Reading::Fresh)), STRONGEST_T)
     }
 
     fn time(&self, rung: Rung) -> StepTime {

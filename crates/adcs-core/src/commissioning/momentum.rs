@@ -14,15 +14,23 @@ pub(super) struct Momentum {
 }
 
 impl Momentum {
-    pub fn new(inertia_kg_m2: [[f32; 3]; 3], noise: Noise<f32>) -> Option<Self> {
+    pub fn new(
+        inertia_kg_m2: [[f32; 3]; 3],
+        noise: Noise<f32>,
+        gyro: Option<Three>,
+    ) -> Option<Self> {
         let [[xx, ..], [_, yy, _], [.., zz]] = inertia_kg_m2;
-        let estimate = MomentumFit::ratios(inertia_kg_m2, noise).ok()?;
+        let fresh = MomentumFit::ratios(inertia_kg_m2, noise).ok()?;
+        let estimate = match gyro {
+            Some(gyro) => fresh.with_gyro_bias(gyro.value, worst(&gyro.sigma)),
+            None => fresh,
+        };
         Some(Self { estimate, mean_moment: (xx + yy + zz) / 3.0 })
     }
 
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
-        self.estimate.add(&instant.recorded(seen.quiet_field(), seen.gyro_bias));
+        self.estimate.add(&instant.recorded(seen.quiet_field()));
     }
 
     pub fn judged(&self, p: &CommissioningParameters, rung: Rung) -> Judged {

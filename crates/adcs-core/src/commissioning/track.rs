@@ -65,7 +65,7 @@ impl Track {
         self.rest_s = if carried == Vector3::zeros() { self.rest_s + dt_s } else { 0.0 };
         self.since_gyro_s += dt_s;
         self.carried += carried * dt_s;
-        let instant = seen.devices.omega_bi.value().filter(Vector::is_finite).map(|rate| {
+        let instant = possible(seen.devices.omega_bi, FASTEST_RAD_S).map(|rate| {
             let dt_s = if self.since_gyro_s <= LONGEST_GAP_S { self.since_gyro_s } else { 0.0 };
             let dipole = if dt_s > 0.0 { self.carried / dt_s } else { carried };
             (self.since_gyro_s, self.carried) = (0.0, Vector3::zeros());
@@ -76,16 +76,21 @@ impl Track {
 }
 
 impl Instant {
-    /// As the identification takes it; the gyro bias is taken off.
-    pub fn recorded(&self, field: Option<Vector<Body>>, gyro_bias: [f32; 3]) -> Recorded<f32> {
+    /// As the identification takes it.
+    pub fn recorded(&self, field: Option<Vector<Body>>) -> Recorded<f32> {
         Recorded {
             dt_s: self.dt_s,
-            rate_rad_s: (self.rate - Vector3::from(gyro_bias)).into(),
+            rate_rad_s: self.rate.into(),
             field_t: field.map(|field| field.to_array()),
             dipole_am2: self.dipole.into(),
         }
     }
 }
+
+/// Fastest rate that a gyro reports, each axis, rad/s (as the MEKF's limit).
+const FASTEST_RAD_S: f32 = 5.2;
+/// Largest field that a magnetometer shows, each axis, T: that of the Earth, of a torquer beside it, and its own bias.
+pub(super) const STRONGEST_T: f32 = 1e-3;
 
 /// Sine of the angle between Sun and field below which an attitude is not coarse, but none: errors about
 /// the two are divided by it.
@@ -106,7 +111,8 @@ pub(super) fn attitude(
     Some(found.attitude)
 }
 
-/// A reading that is there and is a number.
-pub(super) fn finite<F>(reading: Reading<Vector<F>>) -> Option<Vector<F>> {
-    reading.value().filter(Vector::is_finite)
+/// A reading that is there, and no larger on any axis than such a sensor can show.
+pub(super) fn possible<F>(reading: Reading<Vector<F>>, largest: f32) -> Option<Vector<F>> {
+    // A NaN fails the comparison.
+    reading.value().filter(|it| it.xyz.iter().all(|axis| axis.abs() <= largest))
 }

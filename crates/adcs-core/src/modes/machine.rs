@@ -21,6 +21,9 @@ pub const LONGEST_STEP_S: f32 = 60.0;
 /// much (`FASTEST_RAD_S`).
 const MEAN_S: f32 = 20.0;
 
+/// A sensor need not be read in every cycle to speak, s.
+const BETWEEN_READINGS_S: f32 = 2.5;
+
 /// For how long something has been so without a break, s.
 #[derive(Debug, Clone, Copy, Default)]
 struct Held(f32);
@@ -343,10 +346,11 @@ impl Modes {
         let sun_is_silent = p.pointing_needs.sun && state.sun.for_s >= p.sun_gap_s;
         let missed = state.here.missed;
         let needed = |sensor, needs| needs || missed == Some(sensor);
-        let speaking = state.magnetometer.for_s == 0.0
+        let speaks = |silence: &Silence| silence.for_s <= BETWEEN_READINGS_S;
+        let speaking = speaks(&state.magnetometer)
             && state.torquers.for_s == 0.0
-            && (state.gyro.for_s == 0.0 || !needed(Sensor::Gyro, p.despin_needs.gyro))
-            && (state.sun.for_s == 0.0 || !needed(Sensor::SunSensors, p.despin_needs.sun));
+            && (speaks(&state.gyro) || !needed(Sensor::Gyro, p.despin_needs.gyro))
+            && (speaks(&state.sun) || !needed(Sensor::SunSensors, p.despin_needs.sun));
         let here = &mut state.here;
         let below = |limit: f32| seen.rate_rad_s.is_some_and(|rate| rate < limit);
         let fast = seen.rate_rad_s.is_some_and(|rate| rate > p.tumbling_rad_s);

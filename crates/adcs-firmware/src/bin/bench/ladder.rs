@@ -1,7 +1,8 @@
 //! The commissioning ladder, rung by rung: the costliest cycle of 70 s, in which its result is looked at once.
 
 use adcs_core::commissioning::{
-    CommissioningParameters, Findings, Ladder, LadderState, Outcome, Rung, StepTime, Told, Witnessed,
+    CommissioningParameters, Findings, Ladder, LadderState, Outcome, Rung, StepTime, Told,
+    Witnessed,
 };
 use adcs_core::frames::{Body, Direction, Vector};
 use adcs_core::identification::Noise;
@@ -69,8 +70,7 @@ pub fn run(counter: &Counter) {
         let (mut worst, mut sine, mut cosine) = (0, 0.0, 1.0);
         for cycle in 0..CYCLES {
             let witnessed = at(cycle, (sine, cosine), carried);
-            (sine, cosine) =
-                (sine * COSINE + cosine * SINE, cosine * COSINE - sine * SINE);
+            (sine, cosine) = (sine * COSINE + cosine * SINE, cosine * COSINE - sine * SINE);
             let mut pulse = Vector::zero();
             let count = counter.count(|| {
                 pulse = ladder.cycle(&check, &mut state, &witnessed).pulse;

@@ -14,7 +14,7 @@ use super::{finish, flown, table, write};
 const HELP: &str = "\
 Satellites like SPROUT of which nobody knows anything: magnetometer scales within 20 %, cross-axis terms
 within 5 %, biases within 20 µT, torquers 8 to 20 cm from it, Sun sensors turned by up to 3 deg, gyro bias
-to 0.3 deg/s, residual dipole within 0.4 A·m² on each axis, inertia within 10 %, tumbling at 3 to 8 deg/s. The
+to 0.3 deg/s, residual dipole within 0.3 A·m² on each axis, inertia within 10 %, tumbling at 3 to 8 deg/s. The
 flight code itself climbs the commissioning ladder, commits what passed its gates, detumbles and points to
 nadir.
   plain   nothing else is wrong

@@ -6,6 +6,10 @@ use super::parameters::CommissioningParameters;
 use crate::identification::momentum::{MomentumFit, RATIO_UNKNOWNS};
 use crate::identification::{Noise, Solution};
 
+/// What acts besides, each axis, in the mean square, N·m: half of what the gravity gradient of SPROUT would at rest. In
+/// a tumble it goes round with the body, and more would make σ of the residual dipole too large by a third.
+const DISTURBANCE_N_M: f32 = 3e-9;
+
 /// The estimate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Momentum {
@@ -21,6 +25,7 @@ impl Momentum {
     ) -> Option<Self> {
         let [[xx, ..], [_, yy, _], [.., zz]] = inertia_kg_m2;
         let fresh = MomentumFit::ratios(inertia_kg_m2, noise).ok()?;
+        let fresh = fresh.with_disturbance(DISTURBANCE_N_M);
         let estimate = match gyro {
             Some(gyro) => fresh.with_gyro_bias(gyro.value, worst(&gyro.sigma)),
             None => fresh,

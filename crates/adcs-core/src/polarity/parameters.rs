@@ -54,7 +54,7 @@ impl Default for PolarityParameters {
             field_noise_t: 600e-9,
             field_bias_t: LEAST_FIELD_BIAS_T,
             rate_walk_rad_s_per_sqrt_s: 1e-5,
-            log_odds: 12.0,
+            log_odds: 10.0,
             pulse_am2: 0.6,
         }
     }

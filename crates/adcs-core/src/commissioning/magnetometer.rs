@@ -12,7 +12,7 @@ const STRENGTH_T: f32 = 4e-5;
 const READINGS_IN_T: DataSheet<f32> = DataSheet { sensitivity: 1.0, zero: 0.0 };
 
 /// Readings that do not turn enough multiply what is no noise, such as a field model 60 nT wrong, as
-/// much as noise; σ knows of noise alone. Of 60 tumbles of half an hour 57 have a condition below this and
+/// much as noise; σ knows of noise alone. Of 60 tumbles of half an hour 59 have a condition below this and
 /// are then wrong by 130 nT at most; one of 990 was wrong by 3200 nT (docs/commissioning).
 const MOST_CONDITION: f32 = 300.0;
 

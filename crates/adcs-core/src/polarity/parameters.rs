@@ -98,12 +98,17 @@ impl core::error::Error for PolarityError {}
 impl PolarityParameters {
     /// What the filters of stage II are told of the same satellite, with the torquers' full dipole for
     /// the pulses, A·m².
+    ///
+    /// A residual dipole that they are told is as large as it is: the guard begins at none, and takes what it
+    /// cannot believe to be the magnet's for a wrong wiring.
     pub fn of(told: &DynamicParameters<f32>, pulse_am2: f32) -> Self {
         let field_noise = told.sensors.field_noise;
         let learned = if told.blocks.field_bias { told.field_bias_prior_t } else { 0.0 };
         Self {
             inertia_kg_m2: told.inertia_kg_m2,
-            dipole_prior_am2: told.dipole_prior_am2,
+            dipole_prior_am2: told.dipole_am2.iter().fold(told.dipole_prior_am2, |prior, told| {
+                if told.abs() > prior { told.abs() } else { prior }
+            }),
             gyro_noise_rad_s: told.sensors.gyro_noise_rad_s,
             gyro_bias_rad_s: told.sensors.bias_prior_rad_s,
             field_noise_t: field_noise.sensor_t,
@@ -176,6 +181,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_dipole_that_the_filters_are_told_is_no_surprise_to_the_guard() {
+        let unknown = DynamicParameters::<f32>::default();
+        let prior =
+            |told: &DynamicParameters<f32>| PolarityParameters::of(told, 0.6).dipole_prior_am2;
+        assert_eq!(prior(&unknown), unknown.dipole_prior_am2);
+        let known = DynamicParameters {
+            dipole_am2: [-0.33, -0.21, -0.02],
+            dipole_prior_am2: 0.02,
+            ..unknown
+        };
+        assert_eq!(prior(&known), 0.33);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use adcs_app::FlightParameters;
+use adcs_app::{FlightParameters, LawParameters};
 use adcs_core::commissioning::{Ended, Finding, Findings, Three};
+use adcs_core::control::cross_product::CrossProductParameters;
 use adcs_core::modes::{Cause, Mode};
 use serde::Serialize;
 
@@ -150,6 +151,17 @@ impl Climb {
                 told.inertia_kg_m2,
                 told.product_prior,
             );
+        }
+        if let LawParameters::CrossProduct {
+            law: CrossProductParameters { inertia_kg_m2, .. },
+            ..
+        }
+        | LawParameters::Periodic {
+            unplanned: CrossProductParameters { inertia_kg_m2, .. },
+            ..
+        } = next.law
+        {
+            text += &format!("\n[law]\ninertia_kg_m2 = {inertia_kg_m2:?}\n");
         }
         text
     }

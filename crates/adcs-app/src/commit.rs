@@ -1,7 +1,7 @@
 //! What commissioning found, put into the parameters that fly.
 
 use adcs_core::attitude::dynamic::DynamicParameters;
-use adcs_core::commissioning::{Findings, InertiaFound, MagnetometerFound, Rung, Three};
+use adcs_core::commissioning::{Findings, InertiaFound, MagnetometerFound, Rung, Three, worst};
 use adcs_core::frames::{Body, GyroAxes, Rotation, Vector};
 use adcs_core::sensing::{SunFaceParameters, SunFacesParameters, TriadParameters};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -55,8 +55,8 @@ impl FlightParameters {
 
     fn set_magnetometer(&mut self, found: &MagnetometerFound) {
         self.magnetometer = found.correction(&self.magnetometer);
-        let left = largest(&found.scale.sigma).max(largest(&found.cross_axis.sigma)) * STRENGTH_T;
-        let bias = largest(&found.bias_t.sigma);
+        let left = found.scale.worst_sigma().max(found.cross_axis.worst_sigma()) * STRENGTH_T;
+        let bias = found.bias_t.worst_sigma();
         if let Some(dynamics) = self.dynamics() {
             let known = libm::sqrtf(left * left + bias * bias);
             dynamics.sensors.field_noise.calibration_t = known.max(LEAST_FIELD_T);
@@ -72,7 +72,7 @@ impl FlightParameters {
         let [x, y, z] = found.value;
         let more = alignment.inverse() * Vector::new(x, y, z);
         *bias = (Vector3::from(*bias) + more.xyz).into();
-        let known = (CAUTION * largest(&found.sigma)).max(LEAST_BIAS_RAD_S);
+        let known = (CAUTION * found.worst_sigma()).max(LEAST_BIAS_RAD_S);
         if let Some(dynamics) = self.dynamics() {
             let prior = &mut dynamics.sensors.bias_prior_rad_s;
             *prior = prior.min(known);
@@ -80,10 +80,10 @@ impl FlightParameters {
     }
 
     fn set_dipole(&mut self, found: &Three) {
-        let known = (CAUTION * largest(&found.sigma)).max(LEAST_DIPOLE_SIGMA_AM2);
+        let known = (CAUTION * found.worst_sigma()).max(LEAST_DIPOLE_SIGMA_AM2);
         if let Some(dynamics) = self.dynamics() {
             // Found in proportion to the trace of the tensor, which is as uncertain as its moments.
-            let by_trace = dynamics.moment_prior * largest(&found.value.map(f32::abs));
+            let by_trace = dynamics.moment_prior * worst(&found.value.map(f32::abs));
             let known = libm::sqrtf(known * known + by_trace * by_trace);
             dynamics.dipole_am2 = found.value;
             dynamics.dipole_prior_am2 = dynamics.dipole_prior_am2.min(known);
@@ -95,7 +95,7 @@ impl FlightParameters {
         let tensor = found.tensor_kg_m2;
         let [[xx, ..], [_, yy, _], [.., zz]] = tensor;
         let [[_, xy, xz], [_, _, yz], _] = found.sigma_kg_m2;
-        let share = CAUTION * largest(&[xy, xz, yz]) * 3.0 / (xx + yy + zz);
+        let share = CAUTION * worst(&[xy, xz, yz]) * 3.0 / (xx + yy + zz);
         if let Some(dynamics) = self.dynamics() {
             dynamics.inertia_kg_m2 = tensor;
             dynamics.product_prior = dynamics.product_prior.min(share.max(LEAST_INERTIA_SIGMA));
@@ -135,8 +135,4 @@ fn turned(faces: &SunFacesParameters, by: [f32; 3]) -> SunFacesParameters {
         SunFaceParameters { alignment_xyzw, ..*face }
     };
     SunFacesParameters { faces: faces.faces.each_ref().map(face), ..*faces }
-}
-
-fn largest(sigma: &[f32]) -> f32 {
-    sigma.iter().copied().fold(0.0, f32::max)
 }

@@ -107,7 +107,6 @@ impl<'a, B: Board> FlightApp<'a, B> {
     fn follow(&mut self, thoughts: &Thoughts) {
         let transition = thoughts.mode.and_then(|report| report.transition);
         if transition.is_some_and(|transition| transition.to == Mode::Commissioning) {
-            self.state.set_committed(false);
             // Accepted before, and so accepted again.
             let _ = self.put_in_force(&{ self.uploaded });
         }
@@ -151,7 +150,7 @@ impl<'a, B: Board> FlightApp<'a, B> {
             *refused = refused.saturating_add(1);
         }
         put?;
-        self.state.set_committed(true);
+        self.state.note_commit();
         self.committed = true;
         Ok(())
     }

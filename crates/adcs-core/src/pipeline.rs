@@ -244,9 +244,9 @@ impl State {
         self.modes.resume(findings);
     }
 
-    /// Remembers whether what was found has been put in force.
-    pub fn set_committed(&mut self, committed: bool) {
-        self.modes.set_committed(committed);
+    /// Remembers that what was found has been put in force; another climb forgets it.
+    pub fn note_commit(&mut self) {
+        self.modes.note_commit();
     }
 
     /// Forgets what was concluded from readings that were corrected otherwise: filters, plans, commands.

@@ -128,7 +128,8 @@ pub struct Three {
 }
 
 impl Three {
-    pub(super) fn worst_sigma(&self) -> f32 {
+    /// σ of the number that is known worst.
+    pub fn worst_sigma(&self) -> f32 {
         worst(&self.sigma)
     }
 }
@@ -250,6 +251,8 @@ impl Findings {
         for outcome in &mut self.outcomes {
             *outcome = outcome.filter(|outcome| outcome.passed());
         }
+        // A climb begins with what was uplinked.
+        self.committed = false;
     }
 
     /// Takes in a rung that has ended.
@@ -269,7 +272,7 @@ impl Findings {
     }
 }
 
-/// The largest; a NaN is larger than any.
-pub(super) fn worst(sigma: &[f32]) -> f32 {
+/// The largest σ; a NaN is larger than any.
+pub fn worst(sigma: &[f32]) -> f32 {
     sigma.iter().fold(0.0, |worst, &sigma| if sigma <= worst { worst } else { sigma })
 }

@@ -36,7 +36,7 @@ use crate::reading::Reading;
 
 pub use findings::{
     CouplingFound, Ended, Finding, Findings, InertiaFound, MagnetometerFound, Outcome, RUNGS, Rung,
-    Shortfall, Three,
+    Shortfall, Three, worst,
 };
 pub use ladder::{Ladder, LadderReport, LadderState, LadderStep, Told};
 pub use parameters::{CommissioningError, CommissioningParameters, Commit, StepTime};

@@ -147,8 +147,8 @@ impl ModesState {
         &self.findings
     }
 
-    pub(crate) fn set_committed(&mut self, committed: bool) {
-        self.findings.committed = committed;
+    pub(crate) fn note_commit(&mut self) {
+        self.findings.committed = true;
     }
 
     /// Before the first cycle: what was found before a reset. A climb that was interrupted goes on.

@@ -1,12 +1,10 @@
 //! `cargo xtask ci`: what tests do not check.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 
 use crate::{
     budget, igrf_table,
-    process::{Program, cargo, is_ci, root, say},
+    process::{Program, cargo, is_ci, say},
     toolchain::{self, Toolchain, Wish},
 };
 
@@ -50,14 +48,6 @@ pub fn run(wish: Wish) -> Result<()> {
         bail!("host and target would compute differently with: {}", culprits.join(", "));
     }
 
-    step("mission files");
-    let missions = mission_files(&root().join("missions"))?;
-    cargo(["run", "--package", "adcs-ground", "--bin", "adcs"])
-        .args(locked())
-        .args(["--", "mission", "check"])
-        .args(missions)
-        .run()?;
-
     step("generated tables");
     igrf_table::run(true)?;
 
@@ -73,27 +63,6 @@ fn step(name: &str) {
 
 fn locked() -> Option<&'static str> {
     is_ci().then_some("--locked")
-}
-
-/// What missions build on with `base`, and what is no mission by itself.
-const BASES: &str = "satellites";
-
-/// All mission files below `folder`, in order.
-fn mission_files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for entry in folder.read_dir().with_context(|| folder.display().to_string())? {
-        let path = entry?.path();
-        if path.file_name().is_some_and(|name| name == BASES) {
-            continue;
-        }
-        if path.is_dir() {
-            files.extend(mission_files(&path)?);
-        } else if path.extension().is_some_and(|extension| extension == "toml") {
-            files.push(path);
-        }
-    }
-    files.sort();
-    Ok(files)
 }
 
 fn clippy(program: Program) -> Result<()> {

@@ -273,6 +273,31 @@ fn missions_are_checked_without_flying() {
     assert!(stderr(&bad).contains("1 of 2 missions refused"), "{}", stderr(&bad));
 }
 
+/// All mission files below `place`, but not what missions only build on.
+fn mission_files(place: &Path) -> Vec<String> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(place).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() && !path.ends_with("satellites") {
+            files.extend(mission_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "toml") {
+            files.push(path.into_os_string().into_string().unwrap());
+        }
+    }
+    files
+}
+
+#[test]
+fn every_mission_of_the_repository_can_fly() {
+    let files = mission_files(&repository().join("missions"));
+    assert!(files.len() > 20, "{files:?}");
+    let arguments: Vec<&str> =
+        ["mission", "check"].into_iter().chain(files.iter().map(String::as_str)).collect();
+    let output = run(&arguments);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stdout(&output).matches("can fly").count(), files.len());
+}
+
 #[test]
 fn a_missing_image_is_said_with_the_command_that_makes_it() {
     let out = folder("no-image");

@@ -211,7 +211,7 @@ fn what_cannot_be_a_filter_is_refused_before_anything_is_written() {
         (config("missing.json", "gyro_sigma_rad_s", "gyro_sigma"), "`gyro_sigma_rad_s`"),
         (config("text.json", "0.003", "\"small\""), "invalid type"),
         (config("degrees.json", "0.012", "0.664"), "the Sun sensor's noise is 6.64e-1"),
-        (config("zero.json", "0.003", "0"), "the gyro's noise is 0e0"),
+        (config("zero.json", "0.003", "0"), "gyro_noise_rad_s is 0e0"),
         (
             config("start.json", "{", r#"{"reference_filter_initial_q_xyzw": [0, 0, 0, 0],"#),
             "four finite numbers",

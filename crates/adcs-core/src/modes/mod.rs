@@ -46,7 +46,7 @@ use crate::polarity::{ActiveCheck, Guard, Suspect, Undecided};
 use crate::steering::{Law, Steering};
 
 pub use machine::{LONGEST_STEP_S, ModesState};
-pub use parameters::{ModeError, ModeNumber, ModeParameters, ModeTable, Needs};
+pub use parameters::{ModeError, ModeParameters, ModeTable, Needs};
 pub use sight::Sight;
 
 /// What the satellite is at.

@@ -31,9 +31,9 @@ impl core::error::Error for OutOfRange {}
 /// Refuses the first number that is outside its range, NaN too. A row is the number's field, what was
 /// given, the smallest and the largest that are accepted.
 pub(crate) fn check<T: RealField + Copy>(
-    numbers: impl IntoIterator<Item = (&'static str, T, f64, f64)>,
+    numbers: &[(&'static str, T, f64, f64)],
 ) -> Result<(), OutOfRange> {
-    for (name, found, from, to) in numbers {
+    for &(name, found, from, to) in numbers {
         // Both ends in the precision of the number: 0.3 of an f32 is above 0.3 of an f64.
         if !(convert::<f64, T>(from)..=convert(to)).contains(&found) {
             return Err(OutOfRange { name, found: shown(found), from: from as f32, to: to as f32 });
@@ -70,7 +70,7 @@ mod tests {
     fn the_first_number_outside_its_range_is_refused_with_all_that_is_known_of_it() {
         let numbers =
             [("a_s", 1.0_f32, 0.0, 2.0), ("b_t", 3e-7, 1e-9, 2e-7), ("c_s", 9.0, 0.0, 2.0)];
-        let error = check(numbers).unwrap_err();
+        let error = check(&numbers).unwrap_err();
         assert_eq!(error, OutOfRange { name: "b_t", found: 3e-7, from: 1e-9, to: 2e-7 });
         assert_eq!(error.to_string(), "b_t is 3e-7, it must be from 1e-9 to 2e-7");
     }
@@ -79,11 +79,11 @@ mod tests {
     fn both_ends_of_a_range_belong_to_it_and_no_nan_does() {
         // Neither end is a number of either precision.
         for end in [0.1, 0.3] {
-            assert_eq!(check([("x", end as f32, 0.1, 0.3)]), Ok(()));
-            assert_eq!(check([("x", end, 0.1, 0.3)]), Ok(()));
+            assert_eq!(check(&[("x", end as f32, 0.1, 0.3)]), Ok(()));
+            assert_eq!(check(&[("x", end, 0.1, 0.3)]), Ok(()));
         }
         for bad in [0.099, 0.301, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            assert_eq!(check([("x", bad, 0.1, 0.3)]).map_err(|it| it.name), Err("x"), "{bad}");
+            assert_eq!(check(&[("x", bad, 0.1, 0.3)]).map_err(|it| it.name), Err("x"), "{bad}");
         }
     }
 

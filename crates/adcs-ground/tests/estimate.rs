@@ -210,7 +210,7 @@ fn what_cannot_be_a_filter_is_refused_before_anything_is_written() {
         (config("broken.json", "0.003,", "0.003"), "line 1 column"),
         (config("missing.json", "gyro_sigma_rad_s", "gyro_sigma"), "`gyro_sigma_rad_s`"),
         (config("text.json", "0.003", "\"small\""), "invalid type"),
-        (config("degrees.json", "0.012", "0.664"), "the Sun sensor's noise is 6.64e-1"),
+        (config("degrees.json", "0.012", "0.664"), "sun_noise_rad is 6.64e-1"),
         (config("zero.json", "0.003", "0"), "gyro_noise_rad_s is 0e0"),
         (
             config("start.json", "{", r#"{"reference_filter_initial_q_xyzw": [0, 0, 0, 0],"#),
@@ -223,7 +223,7 @@ fn what_cannot_be_a_filter_is_refused_before_anything_is_written() {
                 r#"{"reference_filter_initial_q_xyzw": [0, 0, 0, 1],
                     "reference_filter_P0_attitude_sigma_deg": 1000,"#,
             ),
-            "the start's attitude sigma",
+            "attitude_sigma_rad is 1.7453",
         ),
         ("/nowhere/config.json".to_owned(), "cannot be read"),
         ("-".to_owned(), "only one"),

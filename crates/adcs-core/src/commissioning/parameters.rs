@@ -119,10 +119,11 @@ impl CommissioningParameters {
             ("sun", self.sun),
             ("momentum", self.momentum),
         ];
-        let times = times.iter().flat_map(|&(name, StepTime { least_s, most_s })| {
+        let times = times.map(|(name, StepTime { least_s, most_s })| {
             [(name, least_s, SHORTEST_S, LONGEST_S), (name, most_s, f64::from(least_s), LONGEST_S)]
         });
-        let gates = [
+        parameter::check(times.as_flattened())?;
+        parameter::check(&[
             ("scale_sigma", self.scale_sigma, 1e-6, 0.5),
             ("bias_sigma_t", self.bias_sigma_t, 1e-10, 1e-4),
             ("coupling_sigma_t_per_am2", self.coupling_sigma_t_per_am2, 1e-10, 1.0),
@@ -130,8 +131,7 @@ impl CommissioningParameters {
             ("sun_sigma_rad", self.sun_sigma_rad, 1e-6, 1.0),
             ("dipole_sigma_am2", self.dipole_sigma_am2, 1e-6, 100.0),
             ("inertia_sigma", self.inertia_sigma, 1e-6, 1.0),
-        ];
-        parameter::check(times.chain(gates))?;
+        ])?;
         Ok(())
     }
 }

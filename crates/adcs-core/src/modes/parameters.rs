@@ -230,7 +230,7 @@ impl ModeTable {
             ("diverged_rad", p.diverged_rad, ANGLES_RAD),
             ("recovery_s", p.recovery_s, TIMES_S),
         ];
-        parameter::check(ranges.map(|(name, found, (from, to))| (name, found, from, to)))?;
+        parameter::check(&ranges.map(|(name, found, (from, to))| (name, found, from, to)))?;
         for (inner, is_below, outer) in [
             ("despun_rad_s", p.despun_rad_s < p.tumbling_rad_s, "tumbling_rad_s"),
             ("slow_rad_s", p.slow_rad_s < p.tumbling_rad_s, "tumbling_rad_s"),

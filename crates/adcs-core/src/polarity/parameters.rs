@@ -117,7 +117,7 @@ impl PolarityParameters {
     /// The tensor, when guard and check can work with all of this.
     pub(super) fn check(&self) -> Result<Matrix3<f32>, PolarityError> {
         let [tensor, _] = parameter::inertia(self.inertia_kg_m2).ok_or(PolarityError::Inertia)?;
-        parameter::check([
+        parameter::check(&[
             ("inertia_kg_m2, its mean moment", tensor.trace() / 3.0, 1e-6, 1e4),
             ("inertia_prior", self.inertia_prior, 1e-4, 0.3),
             ("dipole_prior_am2", self.dipole_prior_am2, 1e-4, 100.0),

@@ -142,7 +142,7 @@ impl<T: RealField + Copy> DynamicParameters<T> {
         let [m_x, m_y, m_z] = self.dipole_am2;
         let [soon, late] = self.shadow_lags_s;
         let [smallest, largest] = [smallest_n_m, largest_n_m].map(convert_unchecked::<T, f64>);
-        parameter::check([
+        parameter::check(&[
             ("inertia_kg_m2, its mean moment", self.mean_moment(), 1e-6, 1e4),
             ("moment_prior", self.moment_prior, 0.0, 0.3),
             ("product_prior", self.product_prior, 0.0, 0.3),

@@ -101,7 +101,7 @@ impl<T: RealField + Copy> Mekf<T> {
     pub fn begin(&self, state: &mut MekfState<T>, start: &GivenStart<T>) -> Result<(), OutOfRange> {
         let GivenStart { r_bi, attitude_sigma_rad, gyro_bias, gyro_bias_sigma_rad_s } = *start;
         let [x, y, z] = gyro_bias.to_array();
-        parameter::check([
+        parameter::check(&[
             ("attitude_sigma_rad", attitude_sigma_rad, 1e-6, core::f64::consts::PI),
             ("gyro_bias_sigma_rad_s", gyro_bias_sigma_rad_s, 1e-9, 1.0),
             ("gyro_bias[0], rad/s", x, -1.0, 1.0),

@@ -148,7 +148,7 @@ impl<T: RealField + Copy> MekfParameters<T> {
         let Limits { step_s, rate_rad_s, coast_s, coast_acceleration_rad_s2, linear_rad } =
             self.limits;
         let contradictions = convert(f64::from(contradictions_in_a_row));
-        parameter::check([
+        parameter::check(&[
             ("gyro_noise_rad_s", self.gyro_noise_rad_s, 1e-7, 0.1),
             ("bias_walk_rad_s_per_sqrt_s", self.bias_walk_rad_s_per_sqrt_s, 0.0, 1e-2),
             ("bias_prior_rad_s", self.bias_prior_rad_s, 1e-7, 1.0),

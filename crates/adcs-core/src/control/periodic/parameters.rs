@@ -82,7 +82,7 @@ impl<T: RealField + Copy> PeriodicParameters<T> {
     pub(super) fn check(&self) -> Result<[Matrix3<T>; 2], PeriodicError> {
         // The sweep keeps NODES of them, and looks further than it keeps.
         let kept = convert_unchecked::<T, f64>(self.step_s) * (NODES - 1) as f64;
-        parameter::check([
+        parameter::check(&[
             ("attitude_weight_rad", self.attitude_weight_rad, 1e-3, 1.0),
             ("rate_weight_rad_s", self.rate_weight_rad_s, 1e-6, 1.0),
             ("dipole_weight_am2", self.dipole_weight_am2, 1e-6, 1e3),

@@ -252,7 +252,7 @@ impl State {
     /// Forgets what was concluded from readings that were corrected otherwise: filters, plans, commands.
     pub fn recalibrated(&mut self) {
         self.determination = StageState::default();
-        self.planning = PlanningState::default();
+        self.planning.forget();
         self.steering = SteeringState::default();
     }
 

@@ -34,6 +34,8 @@ pub mod memory;
 pub mod peripherals;
 #[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod rehearsal;
+#[cfg(target_os = "none")]
+pub mod remembered;
 #[cfg(all(target_os = "none", not(feature = "emulated")))]
 pub mod satellite;
 #[cfg(target_os = "none")]

@@ -198,7 +198,9 @@ impl Ladder {
         LadderStep { pulse, report: LadderReport { rung: Some(rung), ended: None } }
     }
 
-    /// Makes a rung's sums ready; what it ends with when that cannot be.
+    /// Makes a rung's sums ready; what it ends with when that cannot be. In a frame of its own: what a cycle
+    /// does with them then has the stack for itself.
+    #[inline(never)]
     fn cannot_begin(&self, state: &mut LadderState, rung: Rung) -> Option<Ended> {
         if state.work.is_of(rung) {
             return None;

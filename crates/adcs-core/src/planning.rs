@@ -43,6 +43,7 @@ impl PlanningState {
     }
 
     /// One slice of work, when the law looks ahead; then the gains for now, when there are any.
+    #[inline(never)]
     pub fn cycle(&mut self, law: &Law, models: &Models<'_>, now: Utc) -> Option<Gains> {
         let Law::Pointing(pointing) = law else { return None };
         let periodic = pointing.periodic.as_ref()?;

@@ -34,16 +34,16 @@ where
     to
 }
 
-/// Aᵀ x.
-pub(crate) fn transposed_product<T, const R: usize, const C: usize>(
-    a: &SMatrix<T, R, C>,
-    x: &SVector<T, R>,
-) -> SVector<T, C>
+/// Aᵀ B. The bits are nalgebra's from five rows on; shorter columns it adds up otherwise.
+pub(crate) fn transposed_product<T, const R: usize, const K: usize, const C: usize>(
+    a: &SMatrix<T, K, R>,
+    b: &SMatrix<T, K, C>,
+) -> SMatrix<T, R, C>
 where
     T: RealField + Copy,
 {
-    let mut to = SVector::<T, C>::zeros();
-    dot_columns(to.as_mut_slice(), a.as_slice(), x.as_slice());
+    let mut to = SMatrix::<T, R, C>::zeros();
+    dot_columns(to.as_mut_slice(), a.as_slice(), b.as_slice(), R, K);
     to
 }
 
@@ -80,11 +80,7 @@ fn multiply_transposed<T: RealField + Copy>(
 }
 
 /// Sum of the columns of A, each times its factor.
-fn combine<'a, T: RealField + Copy>(
-    to: &mut [T],
-    a: &[T],
-    factors: impl Iterator<Item = &'a T>,
-) {
+fn combine<'a, T: RealField + Copy>(to: &mut [T], a: &[T], factors: impl Iterator<Item = &'a T>) {
     // −0, to which every number can be added without a change, 0 and −0 included.
     to.fill(-T::zero());
     for (column, factor) in a.chunks_exact(to.len()).zip(factors) {
@@ -95,9 +91,11 @@ fn combine<'a, T: RealField + Copy>(
 }
 
 #[inline(never)]
-fn dot_columns<T: RealField + Copy>(to: &mut [T], a: &[T], x: &[T]) {
-    for (to, column) in to.iter_mut().zip(a.chunks_exact(x.len())) {
-        *to = dot(column, x);
+fn dot_columns<T: RealField + Copy>(to: &mut [T], a: &[T], b: &[T], rows: usize, inner: usize) {
+    for (to, right) in to.chunks_exact_mut(rows).zip(b.chunks_exact(inner)) {
+        for (to, left) in to.iter_mut().zip(a.chunks_exact(inner)) {
+            *to = dot(left, right);
+        }
     }
 }
 
@@ -152,6 +150,7 @@ mod tests {
         let x: SVector<f32, 18> = numbers(4);
         assert_eq!(bits(&product(&square, &x)), bits(&(square * x)));
         assert_eq!(bits(&transposed_product(&tall, &x)), bits(&tall.tr_mul(&x)));
+        assert_eq!(bits(&transposed_product(&tall, &other)), bits(&tall.tr_mul(&other)));
         let (y, factor): (SVector<f32, 8>, f32) = (numbers(5), 0.37);
         let mut found = tall;
         subtract_outer(&mut found, &x, &y, factor);

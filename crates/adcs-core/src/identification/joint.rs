@@ -64,6 +64,7 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
     }
 
     /// Begins three states, from `first` on, afresh.
+    #[inline(never)]
     pub fn begin(&mut self, first: usize, value: &Vector3<T>, sigma: T) {
         self.put(first, value);
         self.state_covariance.fixed_rows_mut::<3>(first).fill(T::zero());
@@ -100,15 +101,15 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
             + product_transposed(of_unknown, &self.shared_covariance);
         let shared = product(of_state, &self.shared_covariance)
             + product(of_unknown, &self.unknown_covariance);
-        let carried = product_transposed(&states, of_state)
-            + product_transposed(&shared, of_unknown)
-            + noise;
+        let carried =
+            product_transposed(&states, of_state) + product_transposed(&shared, of_unknown) + noise;
         // Rounding must not make it lopsided.
         self.state_covariance = (carried + carried.transpose()) * number::<T>(0.5);
         self.shared_covariance = shared;
     }
 
     /// Takes in a reading of three axes, of so many states and unknowns each.
+    #[inline(never)]
     pub fn read(
         &mut self,
         of_state: &SMatrix<T, 3, S>,
@@ -152,6 +153,7 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
 
     /// The unknowns. Their covariance is scaled by what the innovations show of the noise that was told;
     /// `noise` so scaled is the residual.
+    #[inline(never)]
     pub fn solve(&self, noise: T) -> Result<Solution<T, N>, IdentificationError> {
         let (found, needed) = (self.readings, PER_UNKNOWN * N as u32);
         if found < needed {

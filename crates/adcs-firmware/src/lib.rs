@@ -21,6 +21,7 @@ pub mod epitaph;
 pub mod notebook;
 pub mod parameters;
 pub mod pins;
+mod sealed;
 pub mod spi;
 pub mod torquers;
 

@@ -36,6 +36,7 @@ pub mod pipeline;
 pub mod planning;
 pub mod polarity;
 pub mod reading;
+mod rolled;
 pub mod schedule;
 pub mod sensing;
 pub mod steering;

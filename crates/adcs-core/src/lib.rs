@@ -31,6 +31,7 @@ pub mod identification;
 pub mod modes;
 mod nodes;
 pub mod orbit;
+pub mod parameter;
 pub mod pipeline;
 pub mod planning;
 pub mod polarity;

@@ -133,7 +133,11 @@ mod tests {
     fn numbers<const R: usize, const C: usize>(seed: usize) -> SMatrix<f32, R, C> {
         SMatrix::from_fn(|row, column| {
             let k = (seed + 7 * row + 31 * column) % 97;
-            if k % 9 == 0 { -0.0 } else { libm::sinf(k as f32) * libm::exp2f((k % 13) as f32) }
+            if k.is_multiple_of(9) {
+                -0.0
+            } else {
+                libm::sinf(k as f32) * libm::exp2f((k % 13) as f32)
+            }
         })
     }
 

@@ -83,8 +83,6 @@ pub fn fly<'a>(scenario: &'a str, records: &'a str) -> Result<End, Error<'a>> {
     Ok(outcome.end)
 }
 
-/// In a frame of its own: the file is off the stack when the flight begins.
-#[inline(never)]
 fn read(path: &str) -> Result<Scenario, Error<'_>> {
     let mut buffer = [0; SCENARIO_BYTES];
     let bytes = host::read_file(path, &mut buffer).map_err(|error| Error::Scenario(path, error))?;

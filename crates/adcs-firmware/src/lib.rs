@@ -11,9 +11,9 @@
 //! | [`parameters`] | what the satellite flies with until the ground says otherwise |
 //!
 //! These are pure and tested on the host. On the chip comes what touches it: `boot`, `peripherals`,
-//! `ticks`, `watchdog`, `satellite`; and the modules that hold all `unsafe` of the project:
-//! `stm32f405` (registers), `memory` (retained RAM and the stack), `fatal` (panic and fault
-//! handlers), and in the emulated image `rehearsal` (dying on purpose).
+//! `ticks`, `watchdog`, `satellite`, and `remembered` (where the state of the cycles lies); and the modules
+//! that hold all `unsafe` of the project: `stm32f405` (registers), `memory` (retained RAM and the stack),
+//! `fatal` (panic and fault handlers), and in the emulated image `rehearsal` (dying on purpose).
 #![cfg_attr(not(test), no_std)]
 
 pub mod clock;

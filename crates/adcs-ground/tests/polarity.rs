@@ -5,7 +5,7 @@ use adcs_core::modes::Cause;
 use adcs_core::polarity::{CheckReport, PolarityParameters, Suspect};
 use adcs_ground::study::campaign::fly_all;
 use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling, StartingRate};
-use adcs_ground::study::polarity::pointing::{fly_pointing, turned_round};
+use adcs_ground::study::polarity::pointing::{Trouble, fly_pointing, troubles};
 use adcs_ground::study::polarity::{
     CheckFigures, Checked, GuardFigures, Guarded, conditions, faults, fly_check, fly_guarded,
 };
@@ -77,12 +77,16 @@ fn while_the_satellite_points_the_guard_lets_it_and_stops_torquers_that_turn_wro
     let slowly = StartingRate::AnyAxis(0.5 * core::f64::consts::PI / 180.0);
     let sound = fly_all(4, |seed| fly_pointing(slowly, 1.0, None, seed), || ()).unwrap();
     assert!(sound.iter().all(|it| it.began_s.is_some() && it.ended.is_none()), "{sound:?}");
-    for fault in turned_round().into_iter().filter(|it| it.device == Device::Torquers) {
-        let flight = fly_pointing(slowly, 0.5, Some(fault), 1).unwrap();
+    let of_torquers = |trouble: &Trouble| match trouble {
+        Trouble::Turned(fault) => fault.device == Device::Torquers,
+        Trouble::Dead(_) => true,
+    };
+    for trouble in troubles().into_iter().filter(of_torquers) {
+        let flight = fly_pointing(slowly, 0.5, Some(trouble), 1).unwrap();
         let Some((after_s, cause)) = flight.ended else { panic!("{flight:?}") };
         // Which axis is not always named right; the whole loop is what stops.
-        assert!(matches!(cause, Cause::Miswired(_)), "{fault:?}: {cause:?}");
-        assert!(after_s < 1800.0, "{fault:?}: {after_s} s");
+        assert!(matches!(cause, Cause::Miswired(_)), "{trouble:?}: {cause:?}");
+        assert!(after_s < 1800.0, "{trouble:?}: {after_s} s");
     }
 }
 

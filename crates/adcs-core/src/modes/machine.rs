@@ -7,7 +7,7 @@ use super::{Cause, Flown, Mode, ModeReport, Modes, Polarity, Sensor, Transition}
 use crate::commissioning::{Ended, Findings, LadderReport, LadderState, Outcome, Rung, Shortfall};
 use crate::frames::{Body, Vector};
 use crate::polarity::{
-    CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Suspect, Undecided,
+    Aim, CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Suspect, Undecided,
 };
 use crate::schedule::Phase;
 use crate::steering::{Law, Steering};
@@ -285,12 +285,13 @@ impl Modes {
     fn wiring(&self, state: &mut ModesState, mode: Mode, sight: &Sight) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
         let Watch::Guard(watch) = &mut state.watch else { return None };
-        let despins = match (mode, &self.experiment) {
-            (Mode::Point, _) => false,
-            (Mode::Experiment, Some(Flown { law, .. })) => !law.points(),
-            _ => true,
+        let aim = match (mode, &self.experiment) {
+            (Mode::Point, _) => Aim::Point,
+            (Mode::Experiment, Some(Flown { law, .. })) if law.points() => Aim::Point,
+            (Mode::Acquire, _) => Aim::Acquire,
+            _ => Aim::Despin,
         };
-        match guard.cycle(watch, &sight.witnessed.devices, despins) {
+        match guard.cycle(watch, &sight.witnessed.devices, aim) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }

@@ -124,14 +124,14 @@ const GAIN: f64 = 1e5;
 
 /// B-dot under the guard: when and why it was stopped, and the largest energy over the first.
 fn guarded(rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64, Suspect)>, f64) {
-    guarded_with(rig, GAIN, true, spoil)
+    guarded_with(rig, GAIN, Aim::Despin, spoil)
 }
 
-/// The same with another gain, and whether it is meant to take energy out.
+/// The same with another gain, and what it is meant to do.
 fn guarded_with(
     mut rig: Rig,
     gain: f64,
-    despins: bool,
+    aim: Aim,
     spoil: impl Fn(u32, &mut GuardInputs),
 ) -> (Option<(f64, Suspect)>, f64) {
     let guard = Guard::new(&PolarityParameters::default()).unwrap();
@@ -142,7 +142,7 @@ fn guarded_with(
         let shown = rig.shown();
         let mut said = shown;
         spoil(cycle, &mut said);
-        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said, despins) {
+        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said, aim) {
             return (Some((f64::from(cycle) * CYCLE_S, suspect)), largest);
         }
         command = match shown.phase {
@@ -225,10 +225,10 @@ fn wrong_sensors_are_stopped_within_two_rounds_and_wrong_torquers_within_five_mi
 
 #[test]
 fn what_spins_up_is_stopped_in_a_despin_and_left_alone_where_it_may_be_on_purpose() {
-    let spun_up = |despins| guarded_with(Rig::new(3.0, None), -GAIN, despins, nothing);
-    let (stopped, largest) = spun_up(true);
+    let spun_up = |aim| guarded_with(Rig::new(3.0, None), -GAIN, aim, nothing);
+    let (stopped, largest) = spun_up(Aim::Despin);
     assert_eq!(stopped.map(|(_, suspect)| suspect), Some(Suspect::Unknown), "{largest}");
-    let (stopped, largest) = spun_up(false);
+    let (stopped, largest) = spun_up(Aim::Point);
     // Three times the energy: it does spin up.
     assert!(stopped.is_none() && largest > 3.0, "{stopped:?} {largest}");
 }
@@ -245,7 +245,8 @@ fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
             rig.fault = Some((Device::Gyro, mirrored));
         }
         for _ in 0..2 {
-            if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &rig.shown(), true)
+            if let GuardVerdict::Stop { suspect, .. } =
+                guard.cycle(&mut state, &rig.shown(), Aim::Despin)
             {
                 found.get_or_insert((second, suspect));
             }
@@ -361,11 +362,12 @@ proptest! {
             (Guard::new(&parameters).unwrap(), ActiveCheck::new(&parameters).unwrap());
         let (mut guarding, mut checking) = (GuardState::default(), CheckState::default());
         for said in &said {
-            let evidence = match guard.cycle(&mut guarding, said, said.phase == Phase::Acting) {
+            let aim = if said.phase == Phase::Acting { Aim::Acquire } else { Aim::Point };
+            let evidence = match guard.cycle(&mut guarding, said, aim) {
                 GuardVerdict::Sound(evidence) | GuardVerdict::Stop { evidence, .. } => evidence,
             };
-            let Evidence { turning, response, energy } = evidence;
-            prop_assert!([turning, response, energy].iter().all(|it| !it.is_nan()));
+            let Evidence { turning, response, dead, energy } = evidence;
+            prop_assert!([turning, response, dead, energy].iter().all(|it| !it.is_nan()));
             if let CheckStep::Carry(dipole) = check.cycle(&mut checking, said) {
                 prop_assert!(dipole.xyz.iter().all(|m| m.abs() <= parameters.pulse_am2));
             }
@@ -388,7 +390,7 @@ proptest! {
                 omega_bi: reading,
                 field_b: reading,
                 carried: Vector::new(bad, bad, bad),
-            }, phase % 2 == 0);
+            }, if phase % 2 == 0 { Aim::Despin } else { Aim::Point });
             prop_assert_eq!(verdict, GuardVerdict::Sound(Evidence::NONE));
         }
     }

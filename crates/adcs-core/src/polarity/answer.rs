@@ -163,3 +163,51 @@ impl Answers {
         numbers.iter().all(|it| it.is_finite()).then_some(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of an estimate at `p` with this σ of each entry.
+    fn evidence(p: Matrix3<f32>, sigma: f32, work: Option<&Matrix3<f32>>) -> ResponseEvidence {
+        let estimate = SVector::<f32, 9>::from_iterator(p.iter().copied());
+        let covariance = SMatrix::<f32, 9, 9>::from_diagonal_element(sigma * sigma);
+        Answers::new(estimate, covariance).unwrap().evidence(0.0, work).unwrap()
+    }
+
+    #[test]
+    fn before_anything_is_known_no_answer_is_likelier_than_another() {
+        /// What the slack of 0.05 takes from the prior, natural logarithm.
+        const SLACK: f32 = 0.02;
+        let nothing_known = evidence(Matrix3::zeros(), WIRING_PRIOR, None);
+        let ResponseEvidence { wrong, dead, lead, .. } = nothing_known;
+        assert!([wrong, dead, lead].iter().all(|it| it.abs() < SLACK), "{nothing_known:?}");
+    }
+
+    #[test]
+    fn what_is_well_known_is_named_and_what_lies_between_is_not_explained() {
+        /// 99.9 % of χ² with nine degrees of freedom.
+        const EXPLAINED: f32 = 27.9;
+        const SIGMA: f32 = 0.1;
+        for answer in Answer::all() {
+            let found = evidence(answer.matrix(), SIGMA, None);
+            assert_eq!(found.best, answer);
+            assert!(found.misfit < 0.1 && found.lead > 10.0, "{found:?}");
+        }
+        let turned = SignedPermutation::new(1).unwrap().matrix();
+        let between = (Matrix3::identity() * 0.25) + turned * 0.75;
+        assert!(evidence(between, 0.05, None).misfit > EXPLAINED);
+    }
+
+    #[test]
+    fn in_a_despin_all_dead_torquers_count_and_one_does_not() {
+        // Each torquer takes as much energy out.
+        let work = -Matrix3::identity();
+        for dead in Answer::DEAD {
+            let matrix = Answer::Dead(dead).matrix();
+            let found = evidence(matrix, 0.1, Some(&work));
+            assert_eq!(found.dead > 10.0, dead == [true; 3], "{found:?}");
+            assert!(evidence(matrix, 0.1, None).dead > 10.0);
+        }
+    }
+}

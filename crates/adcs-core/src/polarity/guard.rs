@@ -142,6 +142,10 @@ impl Guard {
         if aim == Aim::Point {
             state.start = None;
         }
+        if field.is_some() && state.stopped.is_none() {
+            let turned_wrong = state.response.magnetometer_turned_wrong();
+            state.stopped = turned_wrong.map(Suspect::Magnetometer);
+        }
         if gyro.is_some() && state.stopped.is_none() {
             state.stopped = self.judge(state, aim);
         }
@@ -168,9 +172,6 @@ impl Guard {
             let mirrors = !it.best.is_rotation();
             let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
             return Some(name(it.best));
-        }
-        if let Some(wiring) = state.response.magnetometer_turned_wrong() {
-            return Some(Suspect::Magnetometer(wiring));
         }
         response.and_then(|it| self.accused(&it, aim)).or(grown.then_some(Suspect::Unknown))
     }

@@ -49,14 +49,14 @@ const FIELD_BIAS_WALK: f32 = 2e-9 / FIELD_UNIT_T;
 /// round.
 const FIELD_WALK: f32 = 2.2e-3 * 3.5;
 
-/// A magnetometer that has turned wrong is one that has shown P times what it should so often in a row: in
-/// three rests of the paper's.
-const TURNED_WRONG: u8 = 6;
+/// A magnetometer has turned wrong when for so long, s, each field is explained by a wrong wiring and not by
+/// the right one: in three rests of the paper's.
+const TURNED_WRONG_S: f32 = 15.0;
 /// In a satellite that turns faster than this, `turning` knows better, rad/s.
 const SLOW_RAD_S: f32 = 0.0175;
-/// What each exchanged or turned axis takes from the odds, natural logarithm: one wire goes more easily
-/// than two.
-const EACH_AXIS: f32 = 3.0;
+/// What each axis turned round takes from the odds, natural logarithm, and twice that each one exchanged:
+/// one wire goes more easily than two.
+const EACH_CHANGE: f32 = 3.0;
 
 /// Rate and field.
 const QUICK: usize = 6;
@@ -79,8 +79,8 @@ pub struct Response {
     log_likelihood: f32,
     /// Measurements in a row that were left out.
     contradictions: u8,
-    /// What the last fields were times what they should have been, and how many in a row.
-    turned_wrong: Option<(SignedPermutation, u8)>,
+    /// The wrong wiring of the magnetometer that explains the last field, and for how long one has, s.
+    turned_wrong: Option<(SignedPermutation, f32)>,
     /// C = ∫ (B × ω) mᵀ dt, fading: a wiring P of the torquers does the work tr(Pᵀ C) of late.
     work: Matrix3<f32>,
 }
@@ -151,20 +151,18 @@ impl Response {
             let noise = p.gyro_noise_rad_s;
             self.absorb(&mut tracked, Measured::Gyro(axis), *value, noise * noise);
         }
+        if let Some((_, for_s)) = &mut self.turned_wrong {
+            *for_s += dt_s;
+        }
         if let Some(field) = seen.field.map(|field| field / FIELD_UNIT_T) {
             let noise = p.field_noise_t / FIELD_UNIT_T;
-            let mut contradicts = false;
-            let before = tracked;
-            for (axis, value) in field.iter().enumerate() {
-                let measured = Measured::Field(axis);
-                contradicts |= !self.absorb(&mut tracked, measured, *value, noise * noise);
-            }
-            if seen.gyro.is_some() {
-                let wiring = if contradicts { before.turned_wrong(field, noise) } else { None };
-                let times = |(last, times): (_, u8)| {
-                    if Some(last) == wiring { times.saturating_add(1) } else { 1 }
-                };
-                self.turned_wrong = wiring.map(|it| (it, self.turned_wrong.map_or(1, times)));
+            let wiring = tracked.turned_wrong(field, noise);
+            let for_s = self.turned_wrong.map_or(0.0, |(_, for_s)| for_s);
+            self.turned_wrong = wiring.map(|it| (it, for_s));
+            // What a wrong wiring explains is not taken in: the next field is held against the right one.
+            let believed = field.iter().enumerate().filter(|_| wiring.is_none());
+            for (axis, value) in believed {
+                self.absorb(&mut tracked, Measured::Field(axis), *value, noise * noise);
             }
         }
         if tracked.is_sound() && self.contradictions < LOST {
@@ -175,18 +173,16 @@ impl Response {
         }
     }
 
-    /// Whether the measurement was one that can be believed.
-    fn absorb(&mut self, tracked: &mut Tracked, what: Measured, value: f32, noise: f32) -> bool {
+    fn absorb(&mut self, tracked: &mut Tracked, what: Measured, value: f32, noise: f32) {
         let (nis, variance) = tracked.absorb(what, value, noise);
-        let believed = nis <= GATE * GATE;
-        self.contradictions = if believed { 0 } else { self.contradictions.saturating_add(1) };
+        self.contradictions =
+            if nis <= GATE * GATE { 0 } else { self.contradictions.saturating_add(1) };
         self.log_likelihood -= 0.5 * (nis.min(GATE * GATE) + libm::logf(variance));
-        believed
     }
 
     /// How a magnetometer is wired that was right before, in a satellite that turns slowly.
     pub(super) fn magnetometer_turned_wrong(&self) -> Option<SignedPermutation> {
-        self.turned_wrong.filter(|(_, times)| *times >= TURNED_WRONG).map(|(wiring, _)| wiring)
+        self.turned_wrong.filter(|(_, for_s)| *for_s >= TURNED_WRONG_S).map(|(wiring, _)| wiring)
     }
 
     /// What is estimated beside the wiring.
@@ -363,19 +359,24 @@ impl Tracked {
         (nis, variance)
     }
 
-    /// The wrong wiring of the magnetometer that explains a field, in `FIELD_UNIT_T`, by the one that is expected.
+    /// The wrong wiring of the magnetometer, in a satellite that turns slowly, that makes of the field that
+    /// is expected the one that was measured, `FIELD_UNIT_T`, when that differs.
     fn turned_wrong(&self, field: Vector3<f32>, noise: f32) -> Option<SignedPermutation> {
         let rate = self.quick.fixed_rows::<3>(0);
         let expected = self.quick.fixed_rows::<3>(3) + self.slow.fixed_rows::<3>(FIELD_BIAS);
         let variance = self.qq.fixed_view::<3, 3>(3, 3).trace() / 3.0 + noise * noise;
-        let misfit = |it: SignedPermutation| (field - it.apply(expected)).norm_squared() / variance;
+        let squares =
+            |it: SignedPermutation| (field - it.apply(expected)).norm_squared() / variance;
+        let as_expected = squares(SignedPermutation::IDENTITY) <= GATE * GATE;
+        if as_expected || rate.norm() > SLOW_RAD_S {
+            return None;
+        }
         let cost = |it: SignedPermutation| {
-            let moved = (3.0 - it.matrix().trace()) * 0.5;
-            0.5 * misfit(it) + EACH_AXIS * moved
+            let changes: f32 = it.matrix().diagonal().iter().map(|own| changes(*own)).sum();
+            0.5 * squares(it) + EACH_CHANGE * changes
         };
         let best = SignedPermutation::all().min_by(|a, b| cost(*a).total_cmp(&cost(*b)))?;
-        let explains = best != SignedPermutation::IDENTITY && misfit(best) <= GATE * GATE;
-        (explains && rate.norm() <= SLOW_RAD_S).then_some(best)
+        (squares(best) <= GATE * GATE).then_some(best)
     }
 
     fn wiring(&self) -> Matrix3<f32> {
@@ -399,6 +400,15 @@ impl Tracked {
         let positive = |variance: &f32| variance.is_finite() && *variance > 0.0;
         let (quick, slow) = (self.qq.diagonal(), self.ss.diagonal());
         finite && quick.iter().chain(slow.iter()).all(positive)
+    }
+}
+
+/// Changes of an axis, of which a wiring shows so much on its own.
+fn changes(own: f32) -> f32 {
+    match own {
+        1.0 => 0.0,
+        -1.0 => 1.0,
+        _ => 2.0,
     }
 }
 

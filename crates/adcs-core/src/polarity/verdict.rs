@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frames::SignedPermutation;
 
-/// The device that is wired wrongly: it shows, or does, P times what it should. Or torquers that do nothing.
+/// The device that is wired wrongly: it shows, or does, P times what it should; or torquers that do nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

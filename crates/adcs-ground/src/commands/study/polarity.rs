@@ -32,8 +32,8 @@ Magnetometer, gyro or torquers are wired in each of the 47 wrong ways (signed pe
   pointing      nothing is wrong, but everything else is (case `everything` of `adcs study pointing`): from
                 separation on, by the mode machine, until it has pointed for --orbits
   turns wrong   the same, and after one orbit of pointing one axis, or all, of a device is turned round,
-                or one torquer, or all, die. Named: right, left open, wrong; by the guard that
-                stops it, and by the active check that the ground commands then
+                or one torquer, or all, die. Named by the guard that stops it, and by the active
+                check that the ground commands then: right, the device alone right, wrong
 
 Examples
   $ adcs study polarity
@@ -247,7 +247,7 @@ fn point(args: &Args) -> Result<Vec<[String; 9]>> {
     if args.turns_wrong > 0 {
         print("\nturns wrong                     pointing ended by");
         print(
-            "                      flights   guard (right open wrong)   check (right open wrong)   error    rate  attitude  other   median   95 %    all, s   not ended",
+            "                      flights   guard (right device wrong) check (right device wrong)  error    rate  attitude  other   median   95 %    all, s   not ended",
         );
         for trouble in troubles() {
             let flights = flown(args.turns_wrong, |hear| {
@@ -294,7 +294,7 @@ fn show_turned(trouble: Trouble, flights: &[Pointed]) {
     });
     let checks = flights.iter().filter_map(|flight| match flight.checked? {
         Cause::Miswired(suspect) => Some(trouble.naming(suspect)),
-        _ => Some(Naming::Open),
+        _ => None,
     });
     let named = |naming| suspects.clone().filter(|it| *it == naming).count();
     let checked = |naming| checks.clone().filter(|it| *it == naming).count();
@@ -316,14 +316,14 @@ fn show_turned(trouble: Trouble, flights: &[Pointed]) {
     let worst = on.clone().map(|flight| flight.mean_deg).fold(0.0, f64::max);
     let on = on.count();
     print(format_args!(
-        "  {device:12} {what:12} {:4} {:7} {:6} {:4} {:5}  {:14} {:4} {:5}  {:7} {:7} {:9} {:6} {:8.0} {:6.0} {:9.0}   {on}, mean to {worst:.1} deg",
+        "  {device:12} {what:12} {:4} {:7} {:6} {:6} {:5}  {:12} {:6} {:5}  {:7} {:7} {:9} {:6} {:8.0} {:6.0} {:9.0}   {on}, mean to {worst:.1} deg",
         flights.len(),
         count("guard"),
         named(Naming::Right),
-        named(Naming::Open),
+        named(Naming::Device),
         named(Naming::Wrong),
         checked(Naming::Right),
-        checked(Naming::Open),
+        checked(Naming::Device),
         checked(Naming::Wrong),
         count("error"),
         count("rate"),

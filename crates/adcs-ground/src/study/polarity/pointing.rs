@@ -29,47 +29,47 @@ pub enum Trouble {
 /// How well a suspect fits what has happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Naming {
-    /// It is that, or that among what looks the same.
+    /// Device and what is wrong with it, or that among what looks the same.
     Right,
-    /// It leaves open what it is.
-    Open,
-    /// It is something else.
+    /// The device, what is wrong with it being left open or named wrong.
+    Device,
+    /// Another, or nobody.
     Wrong,
 }
 
 impl Trouble {
+    fn device(self) -> Device {
+        match self {
+            Self::Turned(fault) => fault.device,
+            Self::Dead(_) => Device::Torquers,
+        }
+    }
+
     /// How well `suspect` names it.
     pub fn naming(self, suspect: Suspect) -> Naming {
         use Device::{Gyro, Magnetometer, Torquers};
-        let fault = |device, wiring| self == Self::Turned(Fault { device, wiring });
-        let reversed = |device| fault(device, SignedPermutation::REVERSED);
-        let of_torquers = match self {
-            Self::Turned(Fault { device, .. }) => device == Torquers,
-            Self::Dead(_) => true,
-        };
-        let (right, open) = match suspect {
-            Suspect::Gyro(wiring) => (fault(Gyro, wiring), false),
-            Suspect::Magnetometer(wiring) => (fault(Magnetometer, wiring), false),
-            Suspect::Torquers(wiring) => (fault(Torquers, wiring), false),
+        let is = |device, wiring| self == Self::Turned(Fault { device, wiring });
+        let reversed = is(Magnetometer, SignedPermutation::REVERSED);
+        let (right, devices): (bool, &[Device]) = match suspect {
+            Suspect::Gyro(wiring) => (is(Gyro, wiring), &[Gyro]),
+            Suspect::Magnetometer(wiring) => (is(Magnetometer, wiring), &[Magnetometer]),
+            Suspect::Torquers(wiring) => (is(Torquers, wiring), &[Torquers]),
+            Suspect::DeadTorquers(dead) => (self == Self::Dead(dead), &[Torquers]),
             Suspect::GyroOrMagnetometer(wiring) => {
                 let other = wiring.inverse();
-                let magnetometer =
-                    fault(Magnetometer, other) || fault(Magnetometer, other.negated());
-                (fault(Gyro, wiring) || magnetometer, false)
+                let either = is(Magnetometer, other) || is(Magnetometer, other.negated());
+                (is(Gyro, wiring) || either, &[Gyro, Magnetometer])
             }
             Suspect::ReversedTorquersOrMagnetometer => {
-                (reversed(Torquers) || reversed(Magnetometer), false)
+                (reversed || is(Torquers, SignedPermutation::REVERSED), &[Torquers])
             }
-            Suspect::TorquersOrReversedMagnetometer => {
-                (false, of_torquers || reversed(Magnetometer))
-            }
-            Suspect::DeadTorquers(dead) => (self == Self::Dead(dead), false),
-            Suspect::Unknown => (false, true),
-            _ => (false, false),
+            Suspect::TorquersOrReversedMagnetometer if reversed => (false, &[Magnetometer]),
+            Suspect::TorquersOrReversedMagnetometer => (false, &[Torquers]),
+            _ => (false, &[]),
         };
-        match (right, open) {
+        match (right, devices.contains(&self.device())) {
             (true, _) => Naming::Right,
-            (false, true) => Naming::Open,
+            (false, true) => Naming::Device,
             (false, false) => Naming::Wrong,
         }
     }

@@ -52,6 +52,9 @@ const FIELD_WALK: f32 = 2.2e-3 * 3.5;
 /// A magnetometer has turned wrong when for so long, s, each field is explained by a wrong wiring and not by
 /// the right one: in three rests of the paper's.
 const TURNED_WRONG_S: f32 = 15.0;
+/// By how many σ a field must differ from what is expected to be another wiring's: one that the gyro turns
+/// wrongly comes to less.
+const JUMP: f32 = 10.0;
 /// In a satellite that turns faster than this, `turning` knows better, rad/s.
 const SLOW_RAD_S: f32 = 0.0175;
 /// What each axis turned round takes from the odds, natural logarithm, and twice that each one exchanged:
@@ -367,7 +370,7 @@ impl Tracked {
         let variance = self.qq.fixed_view::<3, 3>(3, 3).trace() / 3.0 + noise * noise;
         let squares =
             |it: SignedPermutation| (field - it.apply(expected)).norm_squared() / variance;
-        let as_expected = squares(SignedPermutation::IDENTITY) <= GATE * GATE;
+        let as_expected = squares(SignedPermutation::IDENTITY) <= JUMP * JUMP;
         if as_expected || rate.norm() > SLOW_RAD_S {
             return None;
         }

@@ -44,7 +44,7 @@ Examples
   $ adcs study polarity --flights 0 --sound 5000 --listen 0 --all-errors
   $ adcs study polarity --flights 0 --sound 0 --pointing 200 --turns-wrong 20";
 
-/// Wrong signs and exchanged axes: how fast they are stopped, how well they are named, false alarms
+/// Wrong signs, exchanged axes, dead torquers: how fast they are stopped, how well they are named, false alarms
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP)]
 pub struct Args {

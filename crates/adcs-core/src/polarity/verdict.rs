@@ -81,8 +81,8 @@ impl fmt::Display for Suspect {
             Self::DeadTorquers([true, true, true]) => write!(f, "all torquers dead"),
             Self::DeadTorquers(dead) => {
                 write!(f, "torquer dead:")?;
-                let names = dead.iter().zip(["x", "y", "z"]).filter(|(dead, _)| **dead);
-                names.map(|(_, name)| write!(f, " {name}")).collect()
+                let mut names = dead.iter().zip(["x", "y", "z"]).filter(|(dead, _)| **dead);
+                names.try_for_each(|(_, name)| write!(f, " {name}"))
             }
         }
     }

@@ -24,7 +24,7 @@ use super::console::{Console, INTERRUPTED, Stop, complain, print};
 ///   history.csv    one row a cycle, units in the header
 ///   plots/*.svg    the plots of the report
 ///   records.bin    every message of the flight, as it came
-///   commissioning.toml  with commissioning: what the satellite found out about itself, for the mission file
+///   commissioning.toml  after commissioning: a mission in which the satellite knows what it found out about itself
 ///
 /// Ctrl-C ends the flight; what was flown until then is kept and reported. The exit code is 0 when the
 /// mission was flown to its end (and equally, with --on both), 1 when it was not, 2 when it could not

@@ -76,7 +76,7 @@ impl Folder {
         self.path.join("summary.json")
     }
 
-    /// What the satellite found out about itself, for the mission file.
+    /// What the satellite found out about itself, as a mission that builds on the one that was flown.
     pub fn commissioning(&self) -> PathBuf {
         self.path.join("commissioning.toml")
     }

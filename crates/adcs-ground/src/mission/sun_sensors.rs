@@ -58,6 +58,8 @@ pub(super) fn sun_sensors(
     let gate = section.number_or("gate", POSITIVE, f64::from(usual.gate));
     let dark_v = section.number("dark_v", DARK_V);
     let transimpedance_kohm = section.number("transimpedance_kohm", POSITIVE);
+    let calibration = section.section_or_empty("calibration");
+    let calibrated = calibration.and_then(|below| calibrated(&below, alignment?));
     let errors = section.section_or_empty("errors").map(|below| errors(&below));
     section.finish();
 
@@ -65,7 +67,7 @@ pub(super) fn sun_sensors(
     let (full_sun_a, half_cone_rad) = (full_sun_ua? * A_PER_UA, half_cone_deg?.to_radians());
     let (alignment, threshold) = (alignment?, threshold?);
     let known = SunFacesParameters {
-        faces: alignment.map(|xyzw| SunFaceParameters {
+        faces: calibrated?.map(|xyzw| SunFaceParameters {
             alignment_xyzw: xyzw.map(|x| x as f32),
             active_length_m: active_length_m as f32,
             height_m: height_m as f32,
@@ -109,6 +111,14 @@ pub(super) fn sun_sensors(
     let faces = [face(0)?, face(1)?, face(2)?, face(3)?, face(4)?, face(5)?];
     let truth = SunSensorsTruth { faces, noise_rad, current_noise_a, albedo };
     Some(Some(SunSensors { wiring, known, truth }))
+}
+
+/// How the flight software takes the faces to be mounted. `drawn` is how they should be, and really are but for
+/// their errors.
+fn calibrated(section: &Section, drawn: [[f64; 4]; FACES]) -> Option<[[f64; 4]; FACES]> {
+    let alignment = section.quaternions_or("alignment_xyzw", drawn);
+    section.finish();
+    alignment
 }
 
 fn accept(section: &Section, known: &SunFacesParameters) {

@@ -2,13 +2,14 @@
 
 use std::fmt;
 
-use adcs_app::{FlightParameters, LawParameters};
+use adcs_app::LawParameters;
 use adcs_core::commissioning::{Ended, Finding, Findings, Three};
 use adcs_core::control::cross_product::CrossProductParameters;
 use adcs_core::modes::{Cause, Mode};
 use serde::Serialize;
 
 use super::rows::Row;
+use crate::mission::Mission;
 
 const DEG: f64 = core::f64::consts::PI / 180.0;
 
@@ -119,14 +120,31 @@ fn numbers(finding: &Finding) -> Vec<Number> {
 }
 
 impl Climb {
-    /// What passed its gates, as a mission file has it: the sections to put in place of those of the mission
-    /// that was flown.
-    pub fn toml(&self, flown: &FlightParameters) -> String {
-        let next = flown.committed(&self.findings);
+    /// What passed its gates, as a mission that builds on the one that was flown: the same satellite, which knows
+    /// this of itself from the start.
+    pub fn toml(&self, flown: &Mission) -> String {
+        let flight = &flown.scenario.flight;
+        let next = flight.committed(&self.findings);
         let scaled = |values: [f32; 3], unit: f64| values.map(|v| f64::from(v) / unit);
-        let mut text = format!(
-            "# Found by the satellite itself. For the mission file, in place of what stands there.\n\n\
-             [magnetometer.calibration]\nscale = {:?}\ncross_axis = {:?}\nbias_nt = {:?}\n\n\
+        let mut text = String::from(
+            "# What the satellite found out about itself, put in force: a mission that `adcs fly` takes. For a mission\n\
+             # of your own, take over the sections from [magnetometer.calibration] on.\n",
+        );
+        if let Some(file) = flown.files.first() {
+            let file = file.canonicalize().unwrap_or_else(|_| file.clone());
+            text += &format!("base = {}\n", quoted(&file.display().to_string()));
+        }
+        let about = "The satellite knows from the start what it found out about itself on the way.";
+        text += &format!(
+            "\n[mission]\ntitle = {}\ndescription = {}\n",
+            quoted(&format!("Commissioned: {}", flown.title)),
+            quoted(about),
+        );
+        if flight.modes.is_some_and(|modes| modes.table.start == Mode::Commissioning) {
+            text += "\n[modes]\nstart = \"detumble\"\n";
+        }
+        text += &format!(
+            "\n[magnetometer.calibration]\nscale = {:?}\ncross_axis = {:?}\nbias_nt = {:?}\n\n\
              [gyro.calibration]\nscale = {:?}\nbias_deg_s = {:?}\n",
             next.magnetometer.scale,
             next.magnetometer.cross_axis,
@@ -136,7 +154,7 @@ impl Climb {
         );
         if let Some(faces) = &next.sun_sensors {
             let faces = faces.faces.each_ref().map(|face| face.alignment_xyzw);
-            text += &format!("\n[sun_sensors]\nalignment_xyzw = {faces:?}\n");
+            text += &format!("\n[sun_sensors.calibration]\nalignment_xyzw = {faces:?}\n");
         }
         if let Some(attitude) = &next.attitude {
             let told = &attitude.dynamics;
@@ -165,6 +183,11 @@ impl Climb {
         }
         text
     }
+}
+
+/// A string as TOML has it.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
 }
 
 impl fmt::Display for Number {

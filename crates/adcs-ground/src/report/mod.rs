@@ -48,7 +48,7 @@ pub fn make_of(folder: &Folder, flight: &Flight, flown: &Flown) -> Result<Summar
     text.push('\n');
     folder::write(&folder.summary(), text)?;
     if let Some(climb) = &summary.commissioning {
-        folder::write(&folder.commissioning(), climb.toml(&flight.mission.scenario.flight))?;
+        folder::write(&folder.commissioning(), climb.toml(&flight.mission))?;
     }
     let plots = plots::plots(&rows, &summary)?;
     let plot_folder = folder.plots();

@@ -245,8 +245,10 @@ fn the_readme_lists_every_key() {
         "modes",
         "modes.detumble",
         "modes.experiment",
+        "modes.commissioning",
         "commands",
         "schedule",
+        "attitude",
         "torquers",
         "torquers.errors",
         "converter",
@@ -257,6 +259,7 @@ fn the_readme_lists_every_key() {
         "gyro.calibration",
         "gyro.errors",
         "sun_sensors",
+        "sun_sensors.calibration",
         "sun_sensors.errors",
         "simulation",
     ];

@@ -1,5 +1,6 @@
 //! Mission files: what they become, and what is refused in them.
 
+mod commissioned;
 mod guidance;
 mod loads;
 mod modes;

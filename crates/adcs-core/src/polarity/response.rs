@@ -52,11 +52,12 @@ const FIELD_WALK: f32 = 2.2e-3 * 3.5;
 /// A magnetometer has turned wrong when for so long, s, each field is explained by a wrong wiring and not by
 /// the right one: in three rests of the paper's.
 const TURNED_WRONG_S: f32 = 15.0;
-/// By how many σ a field must differ from what is expected to be another wiring's: one that the gyro turns
-/// wrongly comes to less.
+/// By how many σ a field must differ from what is expected to be another wiring's.
 const JUMP: f32 = 10.0;
-/// In a satellite that turns faster than this, `turning` knows better, rad/s.
-const SLOW_RAD_S: f32 = 0.0175;
+/// A satellite may turn so fast when that begins, rad/s: 0.3 deg/s, of which a gyro that is wrong makes 3 µT in
+/// a round. And so fast while it lasts: beyond, `turning` knows better.
+const SLOW_RAD_S: f32 = 5e-3;
+const SLOWER_THAN_RAD_S: f32 = 0.0175;
 /// What each axis turned round takes from the odds, natural logarithm, and twice that each one exchanged:
 /// one wire goes more easily than two.
 const EACH_CHANGE: f32 = 3.0;
@@ -159,7 +160,10 @@ impl Response {
         }
         if let Some(field) = seen.field.map(|field| field / FIELD_UNIT_T) {
             let noise = p.field_noise_t / FIELD_UNIT_T;
-            let wiring = tracked.turned_wrong(field, noise);
+            let begun = self.turned_wrong.is_some();
+            let limit_rad_s = if begun { SLOWER_THAN_RAD_S } else { SLOW_RAD_S };
+            let slow = tracked.quick.fixed_rows::<3>(0).norm() <= limit_rad_s;
+            let wiring = if slow { tracked.turned_wrong(field, noise) } else { None };
             let for_s = self.turned_wrong.map_or(0.0, |(_, for_s)| for_s);
             self.turned_wrong = wiring.map(|it| (it, for_s));
             // What a wrong wiring explains is not taken in: the next field is held against the right one.
@@ -362,16 +366,14 @@ impl Tracked {
         (nis, variance)
     }
 
-    /// The wrong wiring of the magnetometer, in a satellite that turns slowly, that makes of the field that
-    /// is expected the one that was measured, `FIELD_UNIT_T`, when that differs.
+    /// The wrong wiring of the magnetometer that makes of the field that is expected the one that was
+    /// measured, `FIELD_UNIT_T`, when that differs.
     fn turned_wrong(&self, field: Vector3<f32>, noise: f32) -> Option<SignedPermutation> {
-        let rate = self.quick.fixed_rows::<3>(0);
         let expected = self.quick.fixed_rows::<3>(3) + self.slow.fixed_rows::<3>(FIELD_BIAS);
         let variance = self.qq.fixed_view::<3, 3>(3, 3).trace() / 3.0 + noise * noise;
         let squares =
             |it: SignedPermutation| (field - it.apply(expected)).norm_squared() / variance;
-        let as_expected = squares(SignedPermutation::IDENTITY) <= JUMP * JUMP;
-        if as_expected || rate.norm() > SLOW_RAD_S {
+        if squares(SignedPermutation::IDENTITY) <= JUMP * JUMP {
             return None;
         }
         let cost = |it: SignedPermutation| {

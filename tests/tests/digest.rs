@@ -33,7 +33,8 @@ fn digests_of(name: &str, scenario: Scenario) -> (u64, u64) {
         .fly(bytes, &folder, &mut Patient)
         .unwrap_or_else(|error| panic!("{name}: {error:#}"))
         .expect("a patient watcher stops no flight");
-    println!("{name}: host {host:016x}, emulated {:016x}", landing.digest);
+    let emulated = landing.digest;
+    println!("{name}: host {host:016x}, emulated {emulated:016x}, stack {}", landing.stack_bytes);
     (host, landing.digest)
 }
 

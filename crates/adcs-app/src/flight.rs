@@ -62,6 +62,7 @@ impl<'a, B: Board> FlightApp<'a, B> {
     ///
     /// # Errors
     /// [`ParameterError`] when the parameters are refused.
+    #[inline(never)]
     pub fn new(
         board: B,
         parameters: &FlightParameters,
@@ -87,7 +88,7 @@ impl<'a, B: Board> FlightApp<'a, B> {
     /// Flies one cycle: clock and sensors in, thoughts, torquers out, and the record of it all.
     pub fn cycle(&mut self) -> CycleRecord {
         let inputs = self.sense();
-        let thoughts = pipeline::cycle(&self.configuration, self.state, &inputs);
+        let thoughts = self.think(&inputs);
         let driven = self.board.drive(thoughts.command.dipole);
         self.refused = driven.is_err();
         // A board that refuses has switched off.
@@ -101,6 +102,12 @@ impl<'a, B: Board> FlightApp<'a, B> {
         self.next_cycle = self.next_cycle.wrapping_add(1);
         self.follow(&thoughts);
         record
+    }
+
+    /// In a frame of its own: thoughts and records do not lie on the stack below each other.
+    #[inline(never)]
+    fn think(&mut self, inputs: &Inputs) -> Thoughts {
+        pipeline::cycle(&self.configuration, self.state, inputs)
     }
 
     /// What was found is relative to what was uplinked: a climb begins with that, and may end with a commit.

@@ -99,6 +99,7 @@ impl StageState {
     }
 
     /// Both filters, and what to believe.
+    #[inline]
     pub(crate) fn cycle(
         &mut self,
         estimator: &Estimator,

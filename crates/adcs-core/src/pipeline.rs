@@ -117,6 +117,9 @@ pub struct Thoughts {
 }
 
 /// One cycle.
+// Inline, as the filters' and the field's functions that it calls: so they are compiled for whoever flies them, and
+// at that crate's level. The image has adcs-core made small, and these fast (Cargo.toml).
+#[inline]
 pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) -> Thoughts {
     // Stage I: where the satellite is, and which field and which Sun it should see there.
     let orbit = state.orbit(configuration, inputs.now);
@@ -168,7 +171,7 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     let mode = configuration.modes.as_ref().map(|modes| {
         let error = state.steering.error_rad();
         let sight = Sight::of(at, inputs.commanded, &heard, determination.as_ref(), error);
-        modes.cycle(&mut state.modes, &sight)
+        report(modes, &mut state.modes, &sight)
     });
     if mode.is_some_and(|report| report.transition.is_some()) {
         state.steering.interrupt();
@@ -191,7 +194,7 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     let (law, steering) = configuration.flown(mode);
     let decision = match state.modes.pulse() {
         Some(pulse) => Decision::acting(configuration.allocation.command(pulse)),
-        None => state.steering.cycle(law, steering, &configuration.allocation, at, &known),
+        None => decision(&mut state.steering, (law, steering), configuration, at, &known),
     };
     Thoughts {
         orbit,
@@ -210,6 +213,24 @@ pub fn cycle(configuration: &Configuration, state: &mut State, inputs: &Inputs) 
     }
 }
 
+/// What the mode machine makes of it.
+#[inline(never)]
+fn report(modes: &Modes, state: &mut ModesState, sight: &Sight) -> ModeReport {
+    modes.cycle(state, sight)
+}
+
+/// What stage III makes of it.
+#[inline(never)]
+fn decision(
+    state: &mut SteeringState,
+    (law, steering): (&Law, &Steering),
+    configuration: &Configuration,
+    at: (Utc, Phase),
+    known: &Known<'_>,
+) -> Decision {
+    state.cycle(law, steering, &configuration.allocation, at, known)
+}
+
 impl Configuration {
     /// The law that flies, and what surrounds it.
     fn flown(&self, mode: Option<ModeReport>) -> (&Law, &Steering) {
@@ -222,6 +243,7 @@ impl Configuration {
 }
 
 /// Where the Sun sensors see the Sun.
+#[inline(never)]
 fn sighting(
     configuration: &Configuration,
     sun_a: &[Reading<[f32; 4]>; FACES],
@@ -252,7 +274,7 @@ impl State {
     /// Forgets what was concluded from readings that were corrected otherwise: filters, plans, commands.
     pub fn recalibrated(&mut self) {
         self.determination = StageState::default();
-        self.planning = PlanningState::default();
+        self.planning.forget();
         self.steering = SteeringState::default();
     }
 
@@ -279,6 +301,7 @@ impl State {
 
     /// The model's field at the satellite, with the coefficients of the hour kept from cycle to
     /// cycle.
+    #[inline]
     fn reference_field(&mut self, now: Utc, orbit: &OrbitState) -> Option<Vector<Eci>> {
         if self.field_model.is_none() {
             self.field_model = FieldModel::new(now).ok();

@@ -36,7 +36,14 @@ pub struct Models<'a> {
 }
 
 impl PlanningState {
+    /// Forgets the plan and what it was made of, where it lies: a new one would be some 14 KB on the stack.
+    pub fn forget(&mut self) {
+        self.plan.forget();
+        (self.field, self.sun) = (None, SunNodes::default());
+    }
+
     /// One slice of work, when the law looks ahead; then the gains for now, when there are any.
+    #[inline(never)]
     pub fn cycle(&mut self, law: &Law, models: &Models<'_>, now: Utc) -> Option<Gains> {
         let Law::Pointing(pointing) = law else { return None };
         let periodic = pointing.periodic.as_ref()?;

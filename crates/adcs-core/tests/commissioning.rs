@@ -215,8 +215,8 @@ fn parameters_that_no_ladder_can_use_are_refused_by_name() {
             let mut wrong = CommissioningParameters { commit: Commit::WhenPassed, ..parameters() };
             change(&mut wrong, bad);
             let error = Ladder::new(&wrong, &told()).unwrap_err();
-            let CommissioningError::OutOfRange { name, .. } = error else { panic!("{error}") };
-            assert_eq!(name, expected, "{bad}");
+            let CommissioningError::OutOfRange(error) = error else { panic!("{error}") };
+            assert_eq!(error.name, expected, "{bad}");
         }
     }
     // A step that ends before it may.

@@ -7,9 +7,9 @@
 
 use core::fmt::{self, Write};
 
-use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
+use crate::sealed;
 use crate::torquers::SwitchedOff;
 
 /// Bytes of the region in RAM that holds the record.
@@ -20,9 +20,6 @@ pub const MESSAGE_BYTES: usize = 160;
 
 /// Says "an epitaph of this layout". Change the last digit when the layout changes.
 const MAGIC: [u8; 4] = *b"EPI1";
-
-/// The CRC of Ethernet and zip.
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// What ended the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -86,13 +83,13 @@ impl Epitaph {
 
     /// Writes the record into `region`. False if it does not fit, which the layout excludes.
     pub fn encode(&self, region: &mut [u8; REGION_BYTES]) -> bool {
-        postcard::to_slice_crc32(self, region, CRC.digest()).is_ok()
+        sealed::seal(self, region).is_some()
     }
 
     /// The record in `region`; `None` when there is none, as after power-on.
     #[must_use]
     pub fn decode(region: &[u8; REGION_BYTES]) -> Option<Self> {
-        let epitaph: Self = postcard::from_bytes_crc32(region, CRC.digest()).ok()?;
+        let epitaph: Self = sealed::open(region)?;
         (epitaph.magic == MAGIC).then_some(epitaph)
     }
 }
@@ -206,11 +203,7 @@ mod tests {
     #[test]
     fn no_single_wrong_bit_goes_unnoticed() {
         let mut region = [0; REGION_BYTES];
-        let mut scratch = [0; REGION_BYTES];
-        let used = postcard::to_slice_crc32(&panic_epitaph(), &mut scratch, CRC.digest())
-            .map(|bytes| bytes.len())
-            .unwrap();
-        assert!(panic_epitaph().encode(&mut region));
+        let used = sealed::seal(&panic_epitaph(), &mut region).unwrap();
         for bit in 0..used * 8 {
             let mut damaged = region;
             damaged[bit / 8] ^= 1 << (bit % 8);

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use adcs_core::pipeline::State;
+use adcs_firmware::remembered;
 use adcs_link::{
     frame::{self, FrameError, MAX_FRAME},
     message::{End, Message},
@@ -11,7 +11,6 @@ use adcs_sim::{
     fly::{self, FlightError, Stopped},
     scenario::{self, Scenario},
 };
-use cortex_m::singleton;
 use semihosting::eprintln;
 
 use crate::host::{self, FileError, Writer};
@@ -62,7 +61,7 @@ pub fn fly<'a>(scenario: &'a str, records: &'a str) -> Result<End, Error<'a>> {
     defmt::info!("flying {} cycles", flight.cycles);
     let mut writer = Writer::create(records).map_err(|error| Error::Records(records, error))?;
     let mut progress = Progress::new(flight.cycles);
-    let Some(state) = singleton!(: State = State::default()) else {
+    let Some(state) = remembered::room().map(remembered::power_on) else {
         return Err(Error::Again);
     };
     let outcome = fly::fly_in(state, &flight, &[], |message| {
@@ -84,6 +83,8 @@ pub fn fly<'a>(scenario: &'a str, records: &'a str) -> Result<End, Error<'a>> {
     Ok(outcome.end)
 }
 
+/// In a frame of its own: the file is off the stack when the flight begins.
+#[inline(never)]
 fn read(path: &str) -> Result<Scenario, Error<'_>> {
     let mut buffer = [0; SCENARIO_BYTES];
     let bytes = host::read_file(path, &mut buffer).map_err(|error| Error::Scenario(path, error))?;

@@ -21,6 +21,7 @@ pub mod epitaph;
 pub mod notebook;
 pub mod parameters;
 pub mod pins;
+mod sealed;
 pub mod spi;
 pub mod torquers;
 
@@ -34,6 +35,8 @@ pub mod memory;
 pub mod peripherals;
 #[cfg(all(target_os = "none", feature = "emulated"))]
 pub mod rehearsal;
+#[cfg(target_os = "none")]
+pub mod remembered;
 #[cfg(all(target_os = "none", not(feature = "emulated")))]
 pub mod satellite;
 #[cfg(target_os = "none")]

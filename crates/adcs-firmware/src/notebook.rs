@@ -5,17 +5,15 @@
 //! because RAM holds noise after power-on. Power that fails takes it: then the ladder begins anew.
 
 use adcs_core::commissioning::Findings;
-use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
+
+use crate::sealed;
 
 /// Bytes of the region in RAM.
 pub const REGION_BYTES: usize = 384;
 
 /// Says "findings in this layout". Change the last digit when the layout changes.
 const MAGIC: [u8; 4] = *b"FND1";
-
-/// The CRC of Ethernet and zip.
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 #[derive(Serialize, Deserialize)]
 struct Page {
@@ -28,14 +26,14 @@ struct Page {
 pub fn encode(findings: &Findings) -> Option<[u8; REGION_BYTES]> {
     let mut region = [0; REGION_BYTES];
     let page = Page { magic: MAGIC, findings: *findings };
-    postcard::to_slice_crc32(&page, &mut region, CRC.digest()).ok()?;
+    sealed::seal(&page, &mut region)?;
     Some(region)
 }
 
 /// The findings in a region; `None` when there are none, as after power-on.
 #[must_use]
 pub fn decode(region: &[u8; REGION_BYTES]) -> Option<Findings> {
-    let page: Page = postcard::from_bytes_crc32(region, CRC.digest()).ok()?;
+    let page: Page = sealed::open(region)?;
     (page.magic == MAGIC).then_some(page.findings)
 }
 

@@ -1,13 +1,12 @@
 //! The flight on the board: the real drivers on the real pins, cycle by cycle, for ever.
 
 use adcs_app::FlightApp;
-use adcs_core::pipeline::State;
 use adcs_hal::driver_board::DriverBoard;
-use cortex_m::{asm::wfi, singleton};
+use cortex_m::asm::wfi;
 
 use crate::{
     boot::Boot,
-    memory, parameters, peripherals,
+    memory, parameters, peripherals, remembered,
     ticks::{self, SincePowerOn},
     watchdog,
 };
@@ -27,8 +26,7 @@ pub fn fly(mut boot: Boot) -> ! {
         panic!("the board as wired is refused")
     };
     let parameters = parameters::flight();
-    // In memory of its own: on the stack it would lie below every cycle.
-    let Some(state) = singleton!(: State = State::default()) else {
+    let Some(state) = remembered::room().map(remembered::power_on) else {
         panic!("the flight has begun before")
     };
     let Ok(mut app) = FlightApp::new(board, &parameters, state) else {

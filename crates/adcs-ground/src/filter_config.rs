@@ -5,9 +5,10 @@ use std::io::Read as _;
 use std::path::Path;
 
 use adcs_core::attitude::dynamic::{DynamicError, DynamicParameters};
-use adcs_core::attitude::mekf::{FieldNoise, GivenStart, GyroSampling, MekfError, MekfParameters};
+use adcs_core::attitude::mekf::{FieldNoise, GivenStart, GyroSampling, MekfParameters};
 use adcs_core::attitude::selection::{Estimator, EstimatorParameters, EstimatorState, Flies};
 use adcs_core::frames::{Rotation, Vector};
+use adcs_core::parameter::OutOfRange;
 use anyhow::{Context as _, bail};
 use nalgebra::{RealField, convert};
 use serde::Deserialize;
@@ -58,7 +59,7 @@ enum Sampling {
 /// A value that the filter refuses, with the key under which it may stand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Refused {
-    Value(MekfError),
+    Value(OutOfRange),
     Dynamics(DynamicError),
     StartQuaternion,
 }
@@ -78,8 +79,8 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-impl From<MekfError> for Refused {
-    fn from(error: MekfError) -> Self {
+impl From<OutOfRange> for Refused {
+    fn from(error: OutOfRange) -> Self {
         Self::Value(error)
     }
 }

@@ -149,6 +149,8 @@ pub fn fly_in<E>(
 ///
 /// # Errors
 /// As [`fly`].
+// In a frame of its own: in the image the flight over the one board does not lie beside that over the other.
+#[inline(never)]
 pub fn fly_board<B: Board, E>(
     state: &mut State,
     scenario: &Scenario,

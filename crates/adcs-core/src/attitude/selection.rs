@@ -175,7 +175,7 @@ impl<T: RealField + Copy> Estimator<T> {
         let EstimatorParameters { dynamics, flies } = parameters;
         let sensors = &dynamics.sensors;
         Ok(Self {
-            mekf: Mekf::new(sensors).map_err(DynamicError::Sensors)?,
+            mekf: Mekf::new(sensors)?,
             dynamic: DynamicFilter::new(dynamics)?,
             flies: *flies,
             field_sigma_t: sensors.field_noise.sigma_t(),

@@ -51,7 +51,9 @@ mod sums;
 mod symmetric;
 mod twostep;
 
-use nalgebra::{RealField, SMatrix, SVector, convert, convert_unchecked};
+use nalgebra::{RealField, SMatrix, SVector, convert};
+
+use crate::parameter::shown;
 
 pub use descent::MAX_PASSES;
 pub use error::{CalibrationError, Unknown};
@@ -213,9 +215,4 @@ fn norm<T: RealField + Copy>([x, y, z]: [T; 3]) -> T {
 
 fn number<T: RealField>(value: f64) -> T {
     convert(value)
-}
-
-/// For messages.
-fn shown<T: RealField + Copy>(value: T) -> f32 {
-    convert_unchecked::<T, f64>(value) as f32
 }

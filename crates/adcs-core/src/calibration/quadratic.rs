@@ -6,6 +6,7 @@ use super::descent::{Pass, Problem};
 use super::moments::{OF_FOUR, OF_TWO, laplacian, squares};
 use super::number;
 use super::parameters::Parameters;
+use crate::rolled::{product, transposed_product};
 
 /// How uncertain the cost is, in roundings of v.
 const COST_ROUNDINGS: f64 = 10.0;
@@ -22,8 +23,9 @@ impl<T: RealField + Copy> Quadratic<T> {
         Self { a: squares(fourth), u: *second, v }
     }
 
+    #[inline(never)]
     fn cost(&self, theta: &SVector<T, OF_TWO>) -> T {
-        theta.dot(&(self.a * theta - self.u * number::<T>(2.0))) + self.v
+        theta.dot(&(product(&self.a, theta) - self.u * number::<T>(2.0))) + self.v
     }
 }
 
@@ -37,24 +39,26 @@ pub(super) struct Rounding<T: RealField + Copy, const N: usize> {
 
 impl<T: RealField + Copy> Quadratic<T> {
     /// Of sums that are uncertain by this part of themselves: everything added as if it had one sign.
+    #[inline(never)]
     pub fn rounding<const N: usize>(&self, x: &Parameters<T, N>, part: T) -> Rounding<T, N> {
         let theta = monomial_factors(x).abs();
-        let (a_theta, u) = (self.a.abs() * theta, self.u.abs());
+        let (a_theta, u) = (product(&self.a.abs(), &theta), self.u.abs());
         Rounding {
             cost: (theta.dot(&(a_theta + u * number::<T>(2.0))) + self.v) * part,
-            gradient: monomial_slopes(x).abs().tr_mul(&(a_theta + u)) * part,
+            gradient: transposed_product(&monomial_slopes(x).abs(), &(a_theta + u)) * part,
         }
     }
 }
 
 impl<T: RealField + Copy, const N: usize> Problem<T, N> for Quadratic<T> {
+    #[inline(never)]
     fn pass(&self, x: &SVector<T, N>) -> Pass<T, N> {
         let x = Parameters(*x);
         let (theta, slope) = (monomial_factors(&x), monomial_slopes(&x));
         Pass {
             cost: self.cost(&theta),
-            gradient: slope.tr_mul(&(self.a * theta - self.u)),
-            normal: slope.tr_mul(&(self.a * slope)),
+            gradient: transposed_product(&slope, &(product(&self.a, &theta) - self.u)),
+            normal: transposed_product(&slope, &product(&self.a, &slope)),
         }
     }
 
@@ -73,6 +77,7 @@ pub(super) struct ByNoise<T: RealField + Copy> {
 
 impl<T: RealField + Copy> ByNoise<T> {
     /// From the sums that the cost is made of.
+    #[inline(never)]
     pub fn of(fourth: &SVector<T, OF_FOUR>, second: &SVector<T, OF_TWO>) -> Self {
         let (half, eighth) = (number::<T>(0.5), number::<T>(0.125));
         let once = laplacian(fourth);
@@ -83,16 +88,19 @@ impl<T: RealField + Copy> ByNoise<T> {
     }
 
     /// q₁ − σ² q₂
+    #[inline(never)]
     pub fn cost<const N: usize>(&self, x: &Parameters<T, N>, variance: T) -> T {
         let theta = monomial_factors(x);
-        self.first.cost(&theta) - theta.dot(&(self.second * theta)) * variance
+        self.first.cost(&theta) - theta.dot(&product(&self.second, &theta)) * variance
     }
 
     /// Half the derivative of σ² q₁ − σ⁴ q₂ by x.
+    #[inline(never)]
     pub fn gradient<const N: usize>(&self, x: &Parameters<T, N>, variance: T) -> SVector<T, N> {
         let theta = monomial_factors(x);
-        let first = self.first.a * theta - self.first.u;
-        monomial_slopes(x).tr_mul(&(first - self.second * theta * variance)) * variance
+        let first = product(&self.first.a, &theta) - self.first.u;
+        let left = first - product(&self.second, &theta) * variance;
+        transposed_product(&monomial_slopes(x), &left) * variance
     }
 }
 
@@ -110,6 +118,7 @@ fn row_of<T: RealField + Copy>(
 }
 
 /// θ: |C S V + b|² = Vᵀ (S C² S) V + 2 (S C b) · V + |b|², S = diag(s).
+#[inline(never)]
 fn monomial_factors<T: RealField + Copy, const N: usize>(
     x: &Parameters<T, N>,
 ) -> SVector<T, OF_TWO> {
@@ -128,6 +137,7 @@ pub(super) fn noise_gain<T: RealField + Copy, const N: usize>(
 }
 
 /// ∂θ/∂x. With dM and db: Mᵀ dM + dMᵀ M, 2 (dMᵀ b + Mᵀ db), 2 b · db.
+#[inline(never)]
 pub(super) fn monomial_slopes<T: RealField + Copy, const N: usize>(
     x: &Parameters<T, N>,
 ) -> SMatrix<T, OF_TWO, N> {

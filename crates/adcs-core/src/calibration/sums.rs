@@ -44,6 +44,7 @@ use super::quadratic::{ByNoise, Quadratic, monomial_slopes, noise_gain};
 use super::symmetric::{Spectrum, sigmas};
 use super::twostep::first_step;
 use super::{DataSheet, Sample, number, shown};
+use crate::rolled::{product, product_transposed, transposed_product};
 
 /// Steps of the correction for noise. Each leaves a part of some σ²/I² of the error: four are plenty.
 const NOISE_STEPS: u32 = 6;
@@ -99,7 +100,7 @@ impl<T: RealField + Copy, const N: usize> Recursive<T, N> {
     /// and the standard deviations of that.
     pub fn correction(&self, driver: DataSheet<T>) -> (Correction<T>, Correction<T>) {
         let (_, transform) = from_zero(&self.parameters, -driver.zero);
-        let covariance = transform * self.covariance * transform.transpose();
+        let covariance = product_transposed(&product(&transform, &self.covariance), &transform);
         let sigma = Recursive { covariance, ..*self }.sigma();
         let sigma = Correction {
             scale: sigma.scale().map(|scale| scale / driver.sensitivity),
@@ -311,6 +312,7 @@ impl<T: RealField + Copy> Sums<T> {
     }
 
     /// In the units of the readings.
+    #[inline(never)]
     fn finished<const N: usize>(
         &self,
         pass: &Pass<T, N>,
@@ -327,15 +329,17 @@ impl<T: RealField + Copy> Sums<T> {
         });
         let slope = monomial_slopes(x);
         let middle = squares(&times(&self.sixth, &noise_gain(x)));
-        let mut scatter = slope.tr_mul(&(middle * slope)) * (variance * number(4.0));
+        let mut scatter = transposed_product(&slope, &product(&middle, &slope));
+        scatter *= variance * number(4.0);
         scatter += SMatrix::from_diagonal(&rounding.component_mul(rounding));
         let inverse = spectrum.inverse();
-        let covariance = (inverse * scatter * inverse).component_mul(&(units * units.transpose()));
+        let covariance = product(&product(&inverse, &scatter), &inverse)
+            .component_mul(&(units * units.transpose()));
         let (parameters, transform) = from_zero(&Parameters(x.0.component_mul(&units)), zero);
         let norm_error_rms = (pass.cost / self.weight).sqrt() * self.unit;
         let found = Recursive {
             parameters,
-            covariance: transform * covariance * transform.transpose(),
+            covariance: product_transposed(&product(&transform, &covariance), &transform),
             norm_error_rms,
             noise: variance.sqrt() * self.unit / sensitivity,
             condition: spectrum.condition(),

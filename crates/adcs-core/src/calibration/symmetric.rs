@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, RealField, SMatrix, SVector};
 
 use super::number;
+use crate::rolled::{product, product_transposed};
 
 /// Sweeps over all pairs. Convergence is quadratic; six do for 7×7 in f64.
 const MAX_SWEEPS: usize = 12;
@@ -22,6 +23,7 @@ pub(crate) struct Spectrum<T: RealField + Copy, const N: usize> {
 
 impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
     /// Takes a positive semidefinite matrix apart. A zero on its diagonal becomes a zero eigenvalue.
+    #[inline(never)]
     pub fn of(normal: &SMatrix<T, N, N>) -> Self {
         let inverse_scale =
             normal.diagonal().map(|d| if d > T::zero() { T::one() / d.sqrt() } else { T::zero() });
@@ -31,22 +33,24 @@ impl<T: RealField + Copy, const N: usize> Spectrum<T, N> {
     }
 
     /// −(N + damping D²)⁻¹ g.
+    #[inline(never)]
     pub fn step(&self, gradient: &SVector<T, N>, damping: T) -> SVector<T, N> {
         let scaled = self.vectors.tr_mul(&gradient.component_mul(&self.inverse_scale));
         let solved = scaled.zip_map(&self.values, |g, value| {
             -g / (value.max(T::zero()) + damping.max(self.rounding()))
         });
-        (self.vectors * solved).component_mul(&self.inverse_scale)
+        product(&self.vectors, &solved).component_mul(&self.inverse_scale)
     }
 
     /// N⁻¹. Eigenvalues below rounding count as rounding.
+    #[inline(never)]
     pub fn inverse(&self) -> SMatrix<T, N, N> {
         let mut half = self.vectors;
         for (mut column, value) in half.column_iter_mut().zip(self.values.iter()) {
             column.component_mul_assign(&self.inverse_scale);
             column /= value.max(self.rounding()).sqrt();
         }
-        half * half.transpose()
+        product_transposed(&half, &half)
     }
 
     /// Largest over smallest eigenvalue; never above one over rounding.
@@ -84,52 +88,75 @@ pub(super) fn square_root<T: RealField + Copy>(matrix: &Matrix3<T>) -> Matrix3<T
 /// Turns a symmetric matrix until it is diagonal; the columns of the result are its eigenvectors.
 fn diagonalise<T: RealField + Copy, const N: usize>(a: &mut SMatrix<T, N, N>) -> SMatrix<T, N, N> {
     let mut vectors = SMatrix::<T, N, N>::identity();
+    sweep(a.as_mut_slice(), vectors.as_mut_slice(), N);
+    vectors
+}
+
+/// The same for a matrix of any size, column by column: the code is there once.
+#[inline(never)]
+fn sweep<T: RealField + Copy>(a: &mut [T], vectors: &mut [T], size: usize) {
     for _ in 0..MAX_SWEEPS {
         let mut turned = false;
-        for p in 0..N {
-            for q in p + 1..N {
-                turned |= annihilate(a, &mut vectors, p, q);
+        for p in 0..size {
+            for q in p + 1..size {
+                let turn = turn_of(a, size, (p, q));
+                turned |= turn.is_some();
+                if let Some(turn) = turn {
+                    turn.mix_columns(a, size, (p, q));
+                    turn.mix_columns(vectors, size, (p, q));
+                    turn.mix_rows(a, size, (p, q));
+                }
             }
         }
         if !turned {
             break;
         }
     }
-    vectors
 }
 
-/// Turns the plane of `p` and `q` until their coupling is zero; whether there was any.
-fn annihilate<T: RealField + Copy, const N: usize>(
-    a: &mut SMatrix<T, N, N>,
-    vectors: &mut SMatrix<T, N, N>,
-    p: usize,
-    q: usize,
-) -> bool {
-    let coupling = a[(p, q)];
+/// A turn in the plane of two axes.
+struct Turn<T> {
+    cos: T,
+    sin: T,
+}
+
+/// What makes the coupling of `p` and `q` zero; `None` when there is none.
+fn turn_of<T: RealField + Copy>(a: &[T], size: usize, (p, q): (usize, usize)) -> Option<Turn<T>> {
+    let at = |row: usize, column: usize| a.get(row + column * size).copied();
+    let coupling = at(p, q)?;
     let negligible = T::default_epsilon() * number(0.1);
     // Of a diagonal of ones; a NaN fails the comparison.
     let couples = coupling.abs() > negligible;
     if !couples {
-        return false;
+        return None;
     }
-    let tau = (a[(q, q)] - a[(p, p)]) / (coupling + coupling);
+    let tau = (at(q, q)? - at(p, p)?) / (coupling + coupling);
     let t = T::one().copysign(tau) / (tau.abs() + (T::one() + tau * tau).sqrt());
     let cos = T::one() / (T::one() + t * t).sqrt();
-    let sin = t * cos;
-    for k in 0..N {
-        let (kp, kq) = (a[(k, p)], a[(k, q)]);
-        a[(k, p)] = cos * kp - sin * kq;
-        a[(k, q)] = sin * kp + cos * kq;
-        let (kp, kq) = (vectors[(k, p)], vectors[(k, q)]);
-        vectors[(k, p)] = cos * kp - sin * kq;
-        vectors[(k, q)] = sin * kp + cos * kq;
+    Some(Turn { cos, sin: t * cos })
+}
+
+impl<T: RealField + Copy> Turn<T> {
+    fn mix(&self, p: &mut T, q: &mut T) {
+        (*p, *q) = (self.cos * *p - self.sin * *q, self.sin * *p + self.cos * *q);
     }
-    for k in 0..N {
-        let (pk, qk) = (a[(p, k)], a[(q, k)]);
-        a[(p, k)] = cos * pk - sin * qk;
-        a[(q, k)] = sin * pk + cos * qk;
+
+    fn mix_columns(&self, matrix: &mut [T], size: usize, (p, q): (usize, usize)) {
+        let mut columns = matrix.chunks_exact_mut(size).skip(p);
+        // The second is counted from behind the first.
+        if let (Some(left), Some(right)) = (columns.next(), columns.nth(q - p - 1)) {
+            left.iter_mut().zip(right).for_each(|(p, q)| self.mix(p, q));
+        }
     }
-    true
+
+    fn mix_rows(&self, matrix: &mut [T], size: usize, (p, q): (usize, usize)) {
+        for column in matrix.chunks_exact_mut(size) {
+            let mut rows = column.iter_mut().skip(p);
+            if let (Some(upper), Some(lower)) = (rows.next(), rows.nth(q - p - 1)) {
+                self.mix(upper, lower);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -44,6 +44,7 @@ where
 }
 
 /// The unknowns of the ellipsoid with the least cost: scale and bias (`N` = 6), or shear too (9).
+#[inline(never)]
 pub(super) fn first_step<T: RealField + Copy, const N: usize>(
     quadratic: &Quadratic<T>,
 ) -> Result<SVector<T, N>, CalibrationError> {

@@ -19,6 +19,7 @@ impl Coupling {
         Self { estimate: TorquerCoupling::new(noise) }
     }
 
+    #[inline(never)]
     pub fn see(&mut self, seen: &Seen) {
         let Some((instant, field)) = seen.instant.as_ref().zip(seen.field) else { return };
         self.estimate.add(&CouplingSample {

@@ -20,6 +20,7 @@ impl Gyro {
         Self { estimate: GyroBias::constant(noise), reference: None }
     }
 
+    #[inline(never)]
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
         let before = core::mem::replace(&mut self.reference, seen.reference_field);

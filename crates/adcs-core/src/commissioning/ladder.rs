@@ -4,7 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupling;
-use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall, worst};
+use super::findings::{Ended, Finding, Findings, Outcome, Rung, Shortfall, Three, worst};
 use super::gyro::Gyro;
 use super::magnetometer::Magnetometer;
 use super::momentum::Momentum;
@@ -217,19 +217,11 @@ impl Ladder {
         let left = state.findings.magnetometer.map(|found| worst(&found.bias_t.sigma));
         let field_offset_t = left.unwrap_or(self.told.noise.field_offset_t);
         let noise = Noise { field_offset_t, ..self.told.noise };
-        let work = match rung {
-            Rung::Magnetometer => Magnetometer::new().map(Work::Magnetometer),
-            Rung::Polarity => Some(Work::Polarity(CheckState::default())),
-            Rung::Coupling => Some(Work::Coupling(Coupling::new(noise))),
-            Rung::Gyro => Some(Work::Gyro(Gyro::new(noise))),
-            Rung::Sun => Some(Work::Sun(Sun::default())),
-            Rung::Dipole | Rung::Inertia => {
-                Momentum::new(self.told.inertia_kg_m2, noise, state.findings.gyro)
-                    .map(Work::Momentum)
-            }
-        };
-        let Some(work) = work else { return failed(Shortfall::NotSupported) };
-        (state.work, state.for_s, state.unseen_s) = (work, 0.0, 0.0);
+        let begun = state.work.begin(rung, noise, &self.told, state.findings.gyro);
+        if begun.is_none() {
+            return failed(Shortfall::NotSupported);
+        }
+        (state.for_s, state.unseen_s) = (0.0, 0.0);
         None
     }
 
@@ -300,6 +292,67 @@ impl LadderStep {
 }
 
 impl Work {
+    /// Makes a rung's sums ready; `None` when that cannot be.
+    fn begin(
+        &mut self,
+        rung: Rung,
+        noise: Noise<f32>,
+        told: &Told,
+        gyro: Option<Three>,
+    ) -> Option<()> {
+        match rung {
+            Rung::Magnetometer => self.begin_magnetometer(),
+            Rung::Polarity => self.begin_polarity(),
+            Rung::Coupling => self.begin_coupling(noise),
+            Rung::Gyro => self.begin_gyro(noise),
+            Rung::Sun => self.begin_sun(),
+            Rung::Dipole | Rung::Inertia => self.begin_momentum(noise, told, gyro),
+        }
+    }
+
+    // Each in a frame of its own: together they are more of the stack than a cycle.
+
+    #[inline(never)]
+    fn begin_magnetometer(&mut self) -> Option<()> {
+        *self = Self::Magnetometer(Magnetometer::new()?);
+        Some(())
+    }
+
+    #[inline(never)]
+    fn begin_polarity(&mut self) -> Option<()> {
+        *self = Self::Polarity(CheckState::default());
+        Some(())
+    }
+
+    #[inline(never)]
+    fn begin_coupling(&mut self, noise: Noise<f32>) -> Option<()> {
+        *self = Self::Coupling(Coupling::new(noise));
+        Some(())
+    }
+
+    #[inline(never)]
+    fn begin_gyro(&mut self, noise: Noise<f32>) -> Option<()> {
+        *self = Self::Gyro(Gyro::new(noise));
+        Some(())
+    }
+
+    #[inline(never)]
+    fn begin_sun(&mut self) -> Option<()> {
+        *self = Self::Sun(Sun::default());
+        Some(())
+    }
+
+    #[inline(never)]
+    fn begin_momentum(
+        &mut self,
+        noise: Noise<f32>,
+        told: &Told,
+        gyro: Option<Three>,
+    ) -> Option<()> {
+        *self = Self::Momentum(Momentum::new(told.inertia_kg_m2, noise, gyro)?);
+        Some(())
+    }
+
     fn is_of(&self, rung: Rung) -> bool {
         match self {
             Self::None => false,

@@ -27,6 +27,7 @@ impl Magnetometer {
         Some(Self { sums: Sums::new(READINGS_IN_T, STRENGTH_T).ok()? })
     }
 
+    #[inline(never)]
     pub fn see(&mut self, seen: &Seen) {
         let Some((reading, field)) = seen.reading.zip(seen.reference_field) else { return };
         if seen.rests {

@@ -33,6 +33,7 @@ impl Momentum {
         Some(Self { estimate, mean_moment: (xx + yy + zz) / 3.0 })
     }
 
+    #[inline(never)]
     pub fn see(&mut self, seen: &Seen) {
         let Some(instant) = &seen.instant else { return };
         self.estimate.add(&instant.recorded(seen.quiet_field()));

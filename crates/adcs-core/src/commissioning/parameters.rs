@@ -4,6 +4,8 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::parameter::{self, OutOfRange};
+
 /// How long a step looks, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepTime {
@@ -86,30 +88,27 @@ impl Default for CommissioningParameters {
 #[non_exhaustive]
 pub enum CommissioningError {
     /// A number outside its range.
-    OutOfRange {
-        /// Which: the name of its field.
-        name: &'static str,
-        /// What was given.
-        found: f32,
-        /// The smallest that is accepted.
-        from: f32,
-        /// The largest that is accepted.
-        to: f32,
-    },
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for CommissioningError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::OutOfRange { name, found, from, to } = self;
-        write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
+        let Self::OutOfRange(error) = self;
+        error.fmt(f)
     }
 }
 
 impl core::error::Error for CommissioningError {}
 
+impl From<OutOfRange> for CommissioningError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
 /// Shortest and longest that a step may look, s: a round, and a day.
-const SHORTEST_S: f32 = 1.0;
-const LONGEST_S: f32 = 86_400.0;
+const SHORTEST_S: f64 = 1.0;
+const LONGEST_S: f64 = 86_400.0;
 
 impl CommissioningParameters {
     pub(super) fn check(&self) -> Result<(), CommissioningError> {
@@ -120,10 +119,11 @@ impl CommissioningParameters {
             ("sun", self.sun),
             ("momentum", self.momentum),
         ];
-        let times = times.iter().flat_map(|&(name, StepTime { least_s, most_s })| {
-            [(name, least_s, SHORTEST_S, LONGEST_S), (name, most_s, least_s, LONGEST_S)]
+        let times = times.map(|(name, StepTime { least_s, most_s })| {
+            [(name, least_s, SHORTEST_S, LONGEST_S), (name, most_s, f64::from(least_s), LONGEST_S)]
         });
-        let gates = [
+        parameter::check(times.as_flattened())?;
+        parameter::check(&[
             ("scale_sigma", self.scale_sigma, 1e-6, 0.5),
             ("bias_sigma_t", self.bias_sigma_t, 1e-10, 1e-4),
             ("coupling_sigma_t_per_am2", self.coupling_sigma_t_per_am2, 1e-10, 1.0),
@@ -131,13 +131,7 @@ impl CommissioningParameters {
             ("sun_sigma_rad", self.sun_sigma_rad, 1e-6, 1.0),
             ("dipole_sigma_am2", self.dipole_sigma_am2, 1e-6, 100.0),
             ("inertia_sigma", self.inertia_sigma, 1e-6, 1.0),
-        ];
-        for (name, found, from, to) in times.chain(gates) {
-            // A NaN is in no range.
-            if !(from..=to).contains(&found) {
-                return Err(CommissioningError::OutOfRange { name, found, from, to });
-            }
-        }
+        ])?;
         Ok(())
     }
 }

@@ -40,6 +40,7 @@ use serde::{Deserialize, Serialize};
 
 use super::guidance::Goal;
 use crate::frames::{Body, Eci, Rotation, Vector};
+use crate::parameter;
 
 /// Fields weaker than this are no geomagnetic field anywhere in low orbit, T.
 const WEAKEST_FIELD_T: f64 = 1e-6;
@@ -156,11 +157,8 @@ impl<T: RealField + Copy> CrossProduct<T> {
         if !positive(damping) {
             return Err(CrossProductError::Damping { found: damping });
         }
-        let inertia = Matrix3::from(parameters.inertia_kg_m2).transpose();
-        let symmetric = inertia == inertia.transpose();
-        if !(symmetric && inertia.cholesky().is_some() && inertia.try_inverse().is_some()) {
-            return Err(CrossProductError::Inertia);
-        }
+        let [inertia, _] =
+            parameter::inertia(parameters.inertia_kg_m2).ok_or(CrossProductError::Inertia)?;
         Ok(Self {
             stiffness,
             damping,

@@ -17,6 +17,7 @@ use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, SVector, Vector3};
 
 use super::{IdentificationError, Solution, number, shown};
 use crate::calibration::Spectrum;
+use crate::rolled::{product, product_transposed, subtract_outer, transposed_product};
 
 /// Readings, counted by numbers, for each unknown.
 const PER_UNKNOWN: u32 = 3;
@@ -63,6 +64,7 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
     }
 
     /// Begins three states, from `first` on, afresh.
+    #[inline(never)]
     pub fn begin(&mut self, first: usize, value: &Vector3<T>, sigma: T) {
         self.put(first, value);
         self.state_covariance.fixed_rows_mut::<3>(first).fill(T::zero());
@@ -88,22 +90,26 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
     }
 
     /// Carries the covariance over a step: δs' = F δs + L δp + noise.
+    #[inline(never)]
     pub fn carry(
         &mut self,
         of_state: &SMatrix<T, S, S>,
         of_unknown: &SMatrix<T, S, N>,
         noise: &SMatrix<T, S, S>,
     ) {
-        let states =
-            of_state * self.state_covariance + of_unknown * self.shared_covariance.transpose();
-        let shared = of_state * self.shared_covariance + of_unknown * self.unknown_covariance;
-        let carried = states * of_state.transpose() + shared * of_unknown.transpose() + noise;
+        let states = product(of_state, &self.state_covariance)
+            + product_transposed(of_unknown, &self.shared_covariance);
+        let shared = product(of_state, &self.shared_covariance)
+            + product(of_unknown, &self.unknown_covariance);
+        let carried =
+            product_transposed(&states, of_state) + product_transposed(&shared, of_unknown) + noise;
         // Rounding must not make it lopsided.
         self.state_covariance = (carried + carried.transpose()) * number::<T>(0.5);
         self.shared_covariance = shared;
     }
 
     /// Takes in a reading of three axes, of so many states and unknowns each.
+    #[inline(never)]
     pub fn read(
         &mut self,
         of_state: &SMatrix<T, 3, S>,
@@ -117,6 +123,7 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         }
     }
 
+    #[inline(never)]
     fn read_one(
         &mut self,
         of_state: &SVector<T, S>,
@@ -124,9 +131,10 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         reading: T,
         variance: T,
     ) {
-        let states = self.state_covariance * of_state + self.shared_covariance * of_unknown;
-        let unknowns =
-            self.shared_covariance.tr_mul(of_state) + self.unknown_covariance * of_unknown;
+        let states = product(&self.state_covariance, of_state)
+            + product(&self.shared_covariance, of_unknown);
+        let unknowns = transposed_product(&self.shared_covariance, of_state)
+            + product(&self.unknown_covariance, of_unknown);
         let total = of_state.dot(&states) + of_unknown.dot(&unknowns) + variance;
         let innovation = reading - of_state.dot(&self.state) - of_unknown.dot(&self.unknown);
         let usable = total.is_finite() && total > T::zero() && innovation.is_finite();
@@ -136,15 +144,16 @@ impl<T: RealField + Copy, const S: usize, const N: usize> Joint<T, S, N> {
         let part = T::one() / total;
         self.state += states * (innovation * part);
         self.unknown += unknowns * (innovation * part);
-        self.state_covariance -= states * states.transpose() * part;
-        self.shared_covariance -= states * (unknowns * part).transpose();
-        self.unknown_covariance -= unknowns * unknowns.transpose() * part;
+        subtract_outer(&mut self.state_covariance, &states, &states, part);
+        subtract_outer(&mut self.shared_covariance, &states, &(unknowns * part), T::one());
+        subtract_outer(&mut self.unknown_covariance, &unknowns, &unknowns, part);
         self.squares += innovation * innovation * part;
         self.readings = self.readings.saturating_add(1);
     }
 
     /// The unknowns. Their covariance is scaled by what the innovations show of the noise that was told;
     /// `noise` so scaled is the residual.
+    #[inline(never)]
     pub fn solve(&self, noise: T) -> Result<Solution<T, N>, IdentificationError> {
         let (found, needed) = (self.readings, PER_UNKNOWN * N as u32);
         if found < needed {

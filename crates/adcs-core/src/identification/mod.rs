@@ -26,6 +26,8 @@ pub mod torque;
 
 use nalgebra::{ComplexField, Matrix3, RealField, Vector3};
 
+use crate::parameter::shown;
+
 pub use error::IdentificationError;
 pub use least_squares::{MAX_CONDITION, Normal, Solution};
 
@@ -106,9 +108,4 @@ fn of_unit_dipoles<T: RealField + Copy>(v: &Vector3<T>) -> Matrix3<T> {
 
 fn number<T: RealField>(value: f64) -> T {
     nalgebra::convert(value)
-}
-
-/// For messages.
-fn shown<T: RealField + Copy>(value: T) -> f32 {
-    nalgebra::convert_unchecked::<T, f64>(value) as f32
 }

@@ -31,11 +31,26 @@
 //!
 //! Time is counted from cycle to cycle and no step counts for more than [`LONGEST_STEP_S`], so that
 //! setting the clock ends no mode.
+//!
+//! | module | has |
+//! |---|---|
+//! | `parameters` | the table, and why one is refused |
+//! | `sight` | what the machine sees in a cycle |
+//! | `machine` | one cycle, from what is seen to the mode that flies |
+//! | `way` | the way from mode to mode while nothing is wrong |
+//! | `fault` | silence and divergence, which end a mode |
+//! | `watch` | guard, active check and ladder |
+//! | `state` | what is remembered, with `lasting` and `growth` |
 
+mod fault;
 mod growth;
+mod lasting;
 mod machine;
 mod parameters;
 pub(crate) mod sight;
+mod state;
+mod watch;
+mod way;
 
 use core::fmt;
 
@@ -45,9 +60,9 @@ use crate::commissioning::Ladder;
 use crate::polarity::{ActiveCheck, Guard, Suspect, Undecided};
 use crate::steering::{Law, Steering};
 
-pub use machine::{LONGEST_STEP_S, ModesState};
-pub use parameters::{ModeError, ModeNumber, ModeParameters, ModeTable, Needs};
+pub use parameters::{ModeError, ModeParameters, ModeTable, Needs};
 pub use sight::Sight;
+pub use state::{LONGEST_STEP_S, ModesState};
 
 /// What the satellite is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,6 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::Mode;
+use crate::parameter::{self, OutOfRange};
 
 /// Which sensors a mode cannot do without, beside the magnetometer, without which none can.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,87 +120,19 @@ impl Default for ModeParameters {
     }
 }
 
-/// A number of [`ModeParameters`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(missing_docs, reason = "each has the name of its field, which says what it is")]
-pub enum ModeNumber {
-    Despun,
-    DespunFor,
-    Tumbling,
-    TumblingFor,
-    DetumbleLimit,
-    AttitudeSigma,
-    DipoleSigma,
-    Slow,
-    TrustedFor,
-    AcquireLimit,
-    LostFor,
-    Captured,
-    CapturedFor,
-    CaptureLimit,
-    Experiment,
-    SensorGap,
-    SunGap,
-    ActuatorGap,
-    GrowingRounds,
-    GrowingFactor,
-    Diverged,
-    Recovery,
-}
-
-impl ModeNumber {
-    /// The name of its field.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Despun => "despun_rad_s",
-            Self::DespunFor => "despun_for_s",
-            Self::Tumbling => "tumbling_rad_s",
-            Self::TumblingFor => "tumbling_for_s",
-            Self::DetumbleLimit => "detumble_limit_s",
-            Self::AttitudeSigma => "attitude_sigma_rad",
-            Self::DipoleSigma => "dipole_sigma_am2",
-            Self::Slow => "slow_rad_s",
-            Self::TrustedFor => "trusted_for_s",
-            Self::AcquireLimit => "acquire_limit_s",
-            Self::LostFor => "lost_for_s",
-            Self::Captured => "captured_rad",
-            Self::CapturedFor => "captured_for_s",
-            Self::CaptureLimit => "capture_limit_s",
-            Self::Experiment => "experiment_s",
-            Self::SensorGap => "sensor_gap_s",
-            Self::SunGap => "sun_gap_s",
-            Self::ActuatorGap => "actuator_gap_s",
-            Self::GrowingRounds => "growing_rounds",
-            Self::GrowingFactor => "growing_factor",
-            Self::Diverged => "diverged_rad",
-            Self::Recovery => "recovery_s",
-        }
-    }
-}
-
 /// Why a table is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModeError {
     /// A number is out of its range, or none.
-    OutOfRange {
-        /// Which.
-        number: ModeNumber,
-        /// What was given.
-        found: f32,
-        /// The least that is taken.
-        least: f32,
-        /// The most.
-        most: f32,
-    },
+    OutOfRange(OutOfRange),
     /// What leads back must be beyond what led in, or the modes alternate.
     NoHysteresis {
-        /// What leads in.
-        inner: ModeNumber,
-        /// What leads back.
-        outer: ModeNumber,
+        /// What leads in: the name of its field.
+        inner: &'static str,
+        /// What leads back: the name of its field.
+        outer: &'static str,
     },
     /// A mode is named for which there is no law.
     NoExperiment,
@@ -220,12 +153,8 @@ pub enum ModeError {
 impl fmt::Display for ModeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange { number, found, least, most } => {
-                write!(f, "{} = {found} must be from {least} to {most}", number.name())
-            }
-            Self::NoHysteresis { inner, outer } => {
-                write!(f, "{} must be larger than {}", outer.name(), inner.name())
-            }
+            Self::OutOfRange(error) => error.fmt(f),
+            Self::NoHysteresis { inner, outer } => write!(f, "{outer} must be larger than {inner}"),
             Self::NoExperiment => write!(f, "there is no law for the experiment"),
             Self::ExperimentNext => write!(f, "an experiment cannot be followed by itself"),
             Self::NoCheck => {
@@ -244,13 +173,19 @@ impl fmt::Display for ModeError {
 
 impl core::error::Error for ModeError {}
 
+impl From<OutOfRange> for ModeError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
 /// Fastest rate that a condition may name, rad/s. The rate is a mean over 20 s, which turns a satellite's
 /// own nutation at more than a radian in that time into 1/20 rad/s: no number may be near that.
-const FASTEST_RAD_S: f32 = 0.04;
+const FASTEST_RAD_S: f64 = 0.04;
 /// Shortest and longest times of a condition, s: a cycle or two, and some days.
-const TIMES_S: (f32, f32) = (1.0, 1e6);
+const TIMES_S: (f64, f64) = (1.0, 1e6);
 /// Angles, rad: what filters reach at best, and half a turn.
-const ANGLES_RAD: (f32, f32) = (1e-4, core::f32::consts::PI);
+const ANGLES_RAD: (f64, f64) = (1e-4, core::f64::consts::PI);
 
 /// An accepted table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -270,47 +205,39 @@ impl ModeTable {
     ) -> Result<Self, ModeError> {
         let p = parameters;
         let slow = (1e-5, FASTEST_RAD_S);
-        for (number, found, (least, most)) in [
-            (ModeNumber::Despun, p.despun_rad_s, slow),
-            (ModeNumber::DespunFor, p.despun_for_s, TIMES_S),
-            (ModeNumber::Tumbling, p.tumbling_rad_s, slow),
-            (ModeNumber::TumblingFor, p.tumbling_for_s, TIMES_S),
-            (ModeNumber::DetumbleLimit, p.detumble_limit_s, TIMES_S),
-            (ModeNumber::AttitudeSigma, p.attitude_sigma_rad, ANGLES_RAD),
+        let ranges = [
+            ("despun_rad_s", p.despun_rad_s, slow),
+            ("despun_for_s", p.despun_for_s, TIMES_S),
+            ("tumbling_rad_s", p.tumbling_rad_s, slow),
+            ("tumbling_for_s", p.tumbling_for_s, TIMES_S),
+            ("detumble_limit_s", p.detumble_limit_s, TIMES_S),
+            ("attitude_sigma_rad", p.attitude_sigma_rad, ANGLES_RAD),
             // Where it is not asked for any number stands.
-            (ModeNumber::DipoleSigma, p.dipole_sigma_am2.unwrap_or(1.0), (1e-6, 1e3)),
-            (ModeNumber::Slow, p.slow_rad_s, slow),
-            (ModeNumber::TrustedFor, p.trusted_for_s, TIMES_S),
-            (ModeNumber::AcquireLimit, p.acquire_limit_s, TIMES_S),
-            (ModeNumber::LostFor, p.lost_for_s, TIMES_S),
-            (ModeNumber::Captured, p.captured_rad, ANGLES_RAD),
-            (ModeNumber::CapturedFor, p.captured_for_s, TIMES_S),
-            (ModeNumber::CaptureLimit, p.capture_limit_s, TIMES_S),
-            (ModeNumber::Experiment, p.experiment_s, TIMES_S),
-            (ModeNumber::SensorGap, p.sensor_gap_s, TIMES_S),
-            (ModeNumber::SunGap, p.sun_gap_s, TIMES_S),
-            (ModeNumber::ActuatorGap, p.actuator_gap_s, TIMES_S),
-            (ModeNumber::GrowingRounds, f32::from(p.growing_rounds), (2.0, 1e4)),
-            (ModeNumber::GrowingFactor, p.growing_factor, (1.0, 100.0)),
-            (ModeNumber::Diverged, p.diverged_rad, ANGLES_RAD),
-            (ModeNumber::Recovery, p.recovery_s, TIMES_S),
-        ] {
-            // Nothing contains a NaN.
-            if !(least..=most).contains(&found) {
-                return Err(ModeError::OutOfRange { number, found, least, most });
-            }
-        }
+            ("dipole_sigma_am2", p.dipole_sigma_am2.unwrap_or(1.0), (1e-6, 1e3)),
+            ("slow_rad_s", p.slow_rad_s, slow),
+            ("trusted_for_s", p.trusted_for_s, TIMES_S),
+            ("acquire_limit_s", p.acquire_limit_s, TIMES_S),
+            ("lost_for_s", p.lost_for_s, TIMES_S),
+            ("captured_rad", p.captured_rad, ANGLES_RAD),
+            ("captured_for_s", p.captured_for_s, TIMES_S),
+            ("capture_limit_s", p.capture_limit_s, TIMES_S),
+            ("experiment_s", p.experiment_s, TIMES_S),
+            ("sensor_gap_s", p.sensor_gap_s, TIMES_S),
+            ("sun_gap_s", p.sun_gap_s, TIMES_S),
+            ("actuator_gap_s", p.actuator_gap_s, TIMES_S),
+            ("growing_rounds", f32::from(p.growing_rounds), (2.0, 1e4)),
+            ("growing_factor", p.growing_factor, (1.0, 100.0)),
+            ("diverged_rad", p.diverged_rad, ANGLES_RAD),
+            ("recovery_s", p.recovery_s, TIMES_S),
+        ];
+        parameter::check(&ranges.map(|(name, found, (from, to))| (name, found, from, to)))?;
         for (inner, is_below, outer) in [
-            (ModeNumber::Despun, p.despun_rad_s < p.tumbling_rad_s, ModeNumber::Tumbling),
-            (ModeNumber::Slow, p.slow_rad_s < p.tumbling_rad_s, ModeNumber::Tumbling),
-            (ModeNumber::Captured, p.captured_rad < p.diverged_rad, ModeNumber::Diverged),
-            (
-                ModeNumber::CapturedFor,
-                p.captured_for_s < p.capture_limit_s,
-                ModeNumber::CaptureLimit,
-            ),
-            (ModeNumber::DespunFor, p.despun_for_s < p.detumble_limit_s, ModeNumber::DetumbleLimit),
-            (ModeNumber::TrustedFor, p.trusted_for_s < p.acquire_limit_s, ModeNumber::AcquireLimit),
+            ("despun_rad_s", p.despun_rad_s < p.tumbling_rad_s, "tumbling_rad_s"),
+            ("slow_rad_s", p.slow_rad_s < p.tumbling_rad_s, "tumbling_rad_s"),
+            ("captured_rad", p.captured_rad < p.diverged_rad, "diverged_rad"),
+            ("captured_for_s", p.captured_for_s < p.capture_limit_s, "capture_limit_s"),
+            ("despun_for_s", p.despun_for_s < p.detumble_limit_s, "detumble_limit_s"),
+            ("trusted_for_s", p.trusted_for_s < p.acquire_limit_s, "acquire_limit_s"),
         ] {
             if !is_below {
                 return Err(ModeError::NoHysteresis { inner, outer });
@@ -339,35 +266,35 @@ mod tests {
     #[test]
     fn every_number_that_is_none_is_refused_by_its_name() {
         type Set = fn(&mut ModeParameters, f32);
-        let set: [(ModeNumber, Set); 21] = [
-            (ModeNumber::Despun, |p, x| p.despun_rad_s = x),
-            (ModeNumber::DespunFor, |p, x| p.despun_for_s = x),
-            (ModeNumber::Tumbling, |p, x| p.tumbling_rad_s = x),
-            (ModeNumber::TumblingFor, |p, x| p.tumbling_for_s = x),
-            (ModeNumber::DetumbleLimit, |p, x| p.detumble_limit_s = x),
-            (ModeNumber::AttitudeSigma, |p, x| p.attitude_sigma_rad = x),
-            (ModeNumber::DipoleSigma, |p, x| p.dipole_sigma_am2 = Some(x)),
-            (ModeNumber::Slow, |p, x| p.slow_rad_s = x),
-            (ModeNumber::TrustedFor, |p, x| p.trusted_for_s = x),
-            (ModeNumber::AcquireLimit, |p, x| p.acquire_limit_s = x),
-            (ModeNumber::LostFor, |p, x| p.lost_for_s = x),
-            (ModeNumber::Captured, |p, x| p.captured_rad = x),
-            (ModeNumber::CapturedFor, |p, x| p.captured_for_s = x),
-            (ModeNumber::CaptureLimit, |p, x| p.capture_limit_s = x),
-            (ModeNumber::Experiment, |p, x| p.experiment_s = x),
-            (ModeNumber::SensorGap, |p, x| p.sensor_gap_s = x),
-            (ModeNumber::SunGap, |p, x| p.sun_gap_s = x),
-            (ModeNumber::ActuatorGap, |p, x| p.actuator_gap_s = x),
-            (ModeNumber::GrowingFactor, |p, x| p.growing_factor = x),
-            (ModeNumber::Diverged, |p, x| p.diverged_rad = x),
-            (ModeNumber::Recovery, |p, x| p.recovery_s = x),
+        let set: [(&str, Set); 21] = [
+            ("despun_rad_s", |p, x| p.despun_rad_s = x),
+            ("despun_for_s", |p, x| p.despun_for_s = x),
+            ("tumbling_rad_s", |p, x| p.tumbling_rad_s = x),
+            ("tumbling_for_s", |p, x| p.tumbling_for_s = x),
+            ("detumble_limit_s", |p, x| p.detumble_limit_s = x),
+            ("attitude_sigma_rad", |p, x| p.attitude_sigma_rad = x),
+            ("dipole_sigma_am2", |p, x| p.dipole_sigma_am2 = Some(x)),
+            ("slow_rad_s", |p, x| p.slow_rad_s = x),
+            ("trusted_for_s", |p, x| p.trusted_for_s = x),
+            ("acquire_limit_s", |p, x| p.acquire_limit_s = x),
+            ("lost_for_s", |p, x| p.lost_for_s = x),
+            ("captured_rad", |p, x| p.captured_rad = x),
+            ("captured_for_s", |p, x| p.captured_for_s = x),
+            ("capture_limit_s", |p, x| p.capture_limit_s = x),
+            ("experiment_s", |p, x| p.experiment_s = x),
+            ("sensor_gap_s", |p, x| p.sensor_gap_s = x),
+            ("sun_gap_s", |p, x| p.sun_gap_s = x),
+            ("actuator_gap_s", |p, x| p.actuator_gap_s = x),
+            ("growing_factor", |p, x| p.growing_factor = x),
+            ("diverged_rad", |p, x| p.diverged_rad = x),
+            ("recovery_s", |p, x| p.recovery_s = x),
         ];
         for (wanted, set) in set {
             for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
                 let mut parameters = ModeParameters::default();
                 set(&mut parameters, bad);
                 match ModeTable::new(&parameters, false, false) {
-                    Err(ModeError::OutOfRange { number, .. }) => assert_eq!(number, wanted),
+                    Err(ModeError::OutOfRange(error)) => assert_eq!(error.name, wanted),
                     other => panic!("{wanted:?} {bad}: {other:?}"),
                 }
             }
@@ -380,10 +307,10 @@ mod tests {
     fn modes_that_would_alternate_are_refused() {
         let usual = ModeParameters::default();
         for (parameters, outer) in [
-            (ModeParameters { tumbling_rad_s: usual.despun_rad_s, ..usual }, ModeNumber::Tumbling),
-            (ModeParameters { slow_rad_s: 0.039, ..usual }, ModeNumber::Tumbling),
-            (ModeParameters { diverged_rad: 0.2, ..usual }, ModeNumber::Diverged),
-            (ModeParameters { acquire_limit_s: 200.0, ..usual }, ModeNumber::AcquireLimit),
+            (ModeParameters { tumbling_rad_s: usual.despun_rad_s, ..usual }, "tumbling_rad_s"),
+            (ModeParameters { slow_rad_s: 0.039, ..usual }, "tumbling_rad_s"),
+            (ModeParameters { diverged_rad: 0.2, ..usual }, "diverged_rad"),
+            (ModeParameters { acquire_limit_s: 200.0, ..usual }, "acquire_limit_s"),
         ] {
             match ModeTable::new(&parameters, false, false) {
                 Err(ModeError::NoHysteresis { outer: found, .. }) => assert_eq!(found, outer),

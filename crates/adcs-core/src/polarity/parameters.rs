@@ -6,6 +6,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::attitude::dynamic::DynamicParameters;
+use crate::parameter::{self, OutOfRange};
 
 /// No calibration leaves less, T.
 const LEAST_FIELD_BIAS_T: f32 = 100e-9;
@@ -68,16 +69,7 @@ pub enum PolarityError {
     /// The inertia tensor is not symmetric, not positive definite, or not finite.
     Inertia,
     /// A number outside its range.
-    OutOfRange {
-        /// Which.
-        name: &'static str,
-        /// What was given.
-        found: f32,
-        /// The smallest that is accepted.
-        from: f32,
-        /// The largest that is accepted.
-        to: f32,
-    },
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for PolarityError {
@@ -86,14 +78,18 @@ impl fmt::Display for PolarityError {
             Self::Inertia => {
                 write!(f, "the inertia tensor must be symmetric and positive definite")
             }
-            Self::OutOfRange { name, found, from, to } => {
-                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for PolarityError {}
+
+impl From<OutOfRange> for PolarityError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
 
 impl PolarityParameters {
     /// What the filters of stage II are told of the same satellite, with the torquers' full dipole for
@@ -120,30 +116,19 @@ impl PolarityParameters {
 
     /// The tensor, when guard and check can work with all of this.
     pub(super) fn check(&self) -> Result<Matrix3<f32>, PolarityError> {
-        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.inertia_kg_m2;
-        let tensor = Matrix3::new(xx, xy, xz, yx, yy, yz, zx, zy, zz);
-        let physical = tensor.iter().all(|entry| entry.is_finite())
-            && tensor == tensor.transpose()
-            && tensor.cholesky().is_some();
-        if !physical {
-            return Err(PolarityError::Inertia);
-        }
-        for (name, found, from, to) in [
-            ("the mean moment of inertia", tensor.trace() / 3.0, 1e-6, 1e4),
-            ("the prior of the inertia", self.inertia_prior, 1e-4, 0.3),
-            ("the prior of the residual dipole", self.dipole_prior_am2, 1e-4, 100.0),
-            ("the gyro's noise", self.gyro_noise_rad_s, 1e-7, 0.1),
-            ("the gyro's bias", self.gyro_bias_rad_s, 1e-7, 1.0),
-            ("the magnetometer's noise", self.field_noise_t, 1e-9, 2e-5),
-            ("the magnetometer's bias", self.field_bias_t, 1e-9, 2e-5),
-            ("the walk of the rate", self.rate_walk_rad_s_per_sqrt_s, 1e-8, 1e-2),
-            ("the odds of an alarm", self.log_odds, 3.0, 100.0),
-            ("the dipole of the pulses", self.pulse_am2, 1e-4, 100.0),
-        ] {
-            if !(from..=to).contains(&found) {
-                return Err(PolarityError::OutOfRange { name, found, from, to });
-            }
-        }
+        let [tensor, _] = parameter::inertia(self.inertia_kg_m2).ok_or(PolarityError::Inertia)?;
+        parameter::check(&[
+            ("inertia_kg_m2, its mean moment", tensor.trace() / 3.0, 1e-6, 1e4),
+            ("inertia_prior", self.inertia_prior, 1e-4, 0.3),
+            ("dipole_prior_am2", self.dipole_prior_am2, 1e-4, 100.0),
+            ("gyro_noise_rad_s", self.gyro_noise_rad_s, 1e-7, 0.1),
+            ("gyro_bias_rad_s", self.gyro_bias_rad_s, 1e-7, 1.0),
+            ("field_noise_t", self.field_noise_t, 1e-9, 2e-5),
+            ("field_bias_t", self.field_bias_t, 1e-9, 2e-5),
+            ("rate_walk_rad_s_per_sqrt_s", self.rate_walk_rad_s_per_sqrt_s, 1e-8, 1e-2),
+            ("log_odds", self.log_odds, 3.0, 100.0),
+            ("pulse_am2", self.pulse_am2, 1e-4, 100.0),
+        ])?;
         Ok(tensor)
     }
 }
@@ -163,20 +148,20 @@ mod tests {
         type Field = fn(&mut PolarityParameters) -> &mut f32;
         assert_eq!(refused(|_| ()), None);
         let fields: [(Field, &str); 9] = [
-            (|p| &mut p.inertia_prior, "the prior of the inertia"),
-            (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
-            (|p| &mut p.gyro_noise_rad_s, "the gyro's noise"),
-            (|p| &mut p.gyro_bias_rad_s, "the gyro's bias"),
-            (|p| &mut p.field_noise_t, "the magnetometer's noise"),
-            (|p| &mut p.field_bias_t, "the magnetometer's bias"),
-            (|p| &mut p.rate_walk_rad_s_per_sqrt_s, "the walk of the rate"),
-            (|p| &mut p.log_odds, "the odds of an alarm"),
-            (|p| &mut p.pulse_am2, "the dipole of the pulses"),
+            (|p| &mut p.inertia_prior, "inertia_prior"),
+            (|p| &mut p.dipole_prior_am2, "dipole_prior_am2"),
+            (|p| &mut p.gyro_noise_rad_s, "gyro_noise_rad_s"),
+            (|p| &mut p.gyro_bias_rad_s, "gyro_bias_rad_s"),
+            (|p| &mut p.field_noise_t, "field_noise_t"),
+            (|p| &mut p.field_bias_t, "field_bias_t"),
+            (|p| &mut p.rate_walk_rad_s_per_sqrt_s, "rate_walk_rad_s_per_sqrt_s"),
+            (|p| &mut p.log_odds, "log_odds"),
+            (|p| &mut p.pulse_am2, "pulse_am2"),
         ];
         for (field, expected) in fields {
             for bad in [f32::NAN, f32::INFINITY, 0.0, -1.0, 1e9] {
                 match refused(|p| *field(p) = bad) {
-                    Some(PolarityError::OutOfRange { name, .. }) => assert_eq!(name, expected),
+                    Some(PolarityError::OutOfRange(error)) => assert_eq!(error.name, expected),
                     other => panic!("{expected} {bad}: {other:?}"),
                 }
             }

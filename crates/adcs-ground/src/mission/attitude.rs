@@ -13,6 +13,37 @@ const T_PER_NT: f64 = 1e-9;
 
 const NOT_NEGATIVE: Check = Check::new(|x| x >= 0.0 && x.is_finite(), "zero or positive");
 
+/// The keys of the numbers, by their fields.
+const KEYS: [(&str, &str); 22] = [
+    ("gyro_noise_rad_s", "gyro_noise_deg_s"),
+    ("bias_walk_rad_s_per_sqrt_s", "gyro_bias_walk_deg_s_per_sqrt_s"),
+    ("bias_prior_rad_s", "gyro_bias_prior_deg_s"),
+    ("field_noise.sensor_t", "field_noise_nt"),
+    ("field_noise.calibration_t", "field_calibration_nt"),
+    ("field_noise.model_t", "field_model_nt"),
+    ("sun_noise_rad", "sun_noise_deg"),
+    ("inertia_kg_m2, its mean moment", "inertia_kg_m2"),
+    ("moment_prior", "inertia_moment_prior"),
+    ("product_prior", "inertia_product_prior"),
+    ("dipole_am2[0]", "residual_dipole_am2"),
+    ("dipole_am2[1]", "residual_dipole_am2"),
+    ("dipole_am2[2]", "residual_dipole_am2"),
+    ("dipole_prior_am2", "residual_dipole_prior_am2"),
+    ("dipole_walk_am2_per_sqrt_s", "residual_dipole_walk_am2_per_sqrt_s"),
+    ("dipole_step_am2", "shadow_dipole_prior_am2"),
+    ("field_bias_prior_t", "magnetometer_bias_prior_nt"),
+    ("white_torque_n_m_sqrt_s", "white_torque_n_m_sqrt_s"),
+    ("inertia_allowance", "inertia_allowance"),
+    ("torque.smallest_n_m", "unknown_torque_least_n_m"),
+    ("torque.start_n_m", "unknown_torque_n_m"),
+    ("torque.correlation_s", "unknown_torque_time_s"),
+];
+
+/// The key of a field of the filters' parameters.
+fn key_of(field: &str) -> &'static str {
+    KEYS.iter().find(|(known, _)| *known == field).map_or("filter", |(_, key)| key)
+}
+
 /// `Some(None)` for a flight without; `None` when something is wrong.
 ///
 /// `inertia_kg_m2` is the true tensor: what the filters are told when the section says nothing else.
@@ -125,6 +156,7 @@ pub(super) fn attitude(
     if let Err(error) = Estimator::<f32>::new(&parameters) {
         let key = match error {
             DynamicError::Inertia => "inertia_kg_m2",
+            DynamicError::OutOfRange(error) => key_of(error.name),
             _ => "filter",
         };
         section.refuse(key, Fault::new(format!("impossible: {error}")));

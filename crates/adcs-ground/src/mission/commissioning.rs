@@ -1,6 +1,7 @@
 //! Section `modes.commissioning`: the ladder.
 
 use adcs_core::commissioning::{CommissioningError, CommissioningParameters, Commit, StepTime};
+use adcs_core::parameter::OutOfRange;
 
 use super::problem::Fault;
 use super::section::Section;
@@ -83,7 +84,9 @@ pub(super) fn commissioning(modes: &Section) -> Option<Option<CommissioningParam
 /// Says at its key what the flight software refuses.
 pub(super) fn refuse(modes: &Section, error: &CommissioningError) {
     let Some(Some(section)) = modes.section_if_any(SECTION) else { return };
-    let CommissioningError::OutOfRange { name, found, from, to } = *error else { return };
+    let CommissioningError::OutOfRange(OutOfRange { name, found, from, to }) = *error else {
+        return;
+    };
     let time = TIMES.iter().find(|(field, _)| *field == name).map(|(_, key)| (*key, 1.0));
     let gate = GATES.iter().find(|(field, ..)| *field == name).map(|(_, key, unit)| (*key, *unit));
     let (key, unit) = time.or(gate).unwrap_or(("commit", 1.0));

@@ -144,8 +144,8 @@ pub(super) fn flown(
             (_, ParameterError::CrossProduct(CrossProductError::Damping { .. })) => DAMPING,
             (_, ParameterError::CrossProduct(_)) => STIFFNESS,
             (_, ParameterError::Periodic(PeriodicError::Inertia)) => INERTIA,
-            (_, ParameterError::Periodic(PeriodicError::OutOfRange { name, .. })) => {
-                periodic_key(name)
+            (_, ParameterError::Periodic(PeriodicError::OutOfRange(error))) => {
+                periodic_key(error.name)
             }
             (_, error) => guidance::key_of(error).unwrap_or("kind"),
         };
@@ -170,13 +170,13 @@ fn bang_bang(section: &Section, usual: &Usual) -> Option<LawParameters> {
     }))
 }
 
-/// The key of what the periodic law calls so.
+/// The key of a field of the periodic law.
 fn periodic_key(name: &str) -> &'static str {
     match name {
-        "the weight of attitude" => ATTITUDE_WEIGHT,
-        "the weight of rate" => RATE_WEIGHT,
-        "the weight of the dipole" => DIPOLE_WEIGHT,
-        "the step of the sweep" => PLAN_STEP,
+        "attitude_weight_rad" => ATTITUDE_WEIGHT,
+        "rate_weight_rad_s" => RATE_WEIGHT,
+        "dipole_weight_am2" => DIPOLE_WEIGHT,
+        "step_s" => PLAN_STEP,
         _ => PLAN_HORIZON,
     }
 }

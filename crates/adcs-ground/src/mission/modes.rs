@@ -2,7 +2,8 @@
 
 use adcs_app::{FlownParameters, ModesParameters, ParameterError};
 use adcs_core::attitude::selection::{EstimatorParameters, Flies};
-use adcs_core::modes::{Mode, ModeError, ModeNumber, ModeParameters, Needs};
+use adcs_core::modes::{Mode, ModeError, ModeParameters, Needs};
+use adcs_core::parameter::OutOfRange;
 use adcs_core::polarity::PolarityParameters;
 use adcs_core::schedule::ScheduleParameters;
 use adcs_core::sensing::TriadParameters;
@@ -29,35 +30,19 @@ const DIPOLE_SIGMA: &str = "dipole_sigma_am2";
 const EXPERIMENT: &str = "experiment";
 const GUARD: &str = "polarity_guard";
 
-/// The keys of the numbers.
-const NUMBERS: [(ModeNumber, &str); 22] = [
-    (ModeNumber::Despun, "despun_deg_s"),
-    (ModeNumber::DespunFor, "despun_for_s"),
-    (ModeNumber::Tumbling, "tumbling_deg_s"),
-    (ModeNumber::TumblingFor, "tumbling_for_s"),
-    (ModeNumber::DetumbleLimit, "detumble_limit_s"),
-    (ModeNumber::AttitudeSigma, "attitude_sigma_deg"),
-    (ModeNumber::DipoleSigma, DIPOLE_SIGMA),
-    (ModeNumber::Slow, "slow_deg_s"),
-    (ModeNumber::TrustedFor, "trusted_for_s"),
-    (ModeNumber::AcquireLimit, "acquire_limit_s"),
-    (ModeNumber::LostFor, "lost_for_s"),
-    (ModeNumber::Captured, "captured_deg"),
-    (ModeNumber::CapturedFor, "captured_for_s"),
-    (ModeNumber::CaptureLimit, "capture_limit_s"),
-    (ModeNumber::Experiment, "experiment_s"),
-    (ModeNumber::SensorGap, "sensor_gap_s"),
-    (ModeNumber::SunGap, "sun_gap_s"),
-    (ModeNumber::ActuatorGap, "actuator_gap_s"),
-    (ModeNumber::GrowingRounds, "growing_rounds"),
-    (ModeNumber::GrowingFactor, "growing_factor"),
-    (ModeNumber::Diverged, "diverged_deg"),
-    (ModeNumber::Recovery, "recovery_s"),
+/// The keys of angles, by the names of their fields; of every other number the key is the field's name.
+const ANGLES: [(&str, &str); 6] = [
+    ("despun_rad_s", "despun_deg_s"),
+    ("tumbling_rad_s", "tumbling_deg_s"),
+    ("attitude_sigma_rad", "attitude_sigma_deg"),
+    ("slow_rad_s", "slow_deg_s"),
+    ("captured_rad", "captured_deg"),
+    ("diverged_rad", "diverged_deg"),
 ];
 
 /// The key of a number.
-fn key_of(number: ModeNumber) -> &'static str {
-    NUMBERS.iter().find(|(known, _)| *known == number).map_or("start", |(_, key)| key)
+fn key_of(field: &'static str) -> &'static str {
+    ANGLES.iter().find(|(angle, _)| *angle == field).map_or(field, |(_, key)| key)
 }
 
 /// What the mode machine is held against.
@@ -114,8 +99,8 @@ fn polarity(attitude: &EstimatorParameters, usual: &Usual) -> PolarityParameters
 /// Says at its key what the flight software refuses.
 fn refuse(root: &Section, section: &Section, error: &ParameterError) {
     let key = match error {
-        ParameterError::Modes(ModeError::OutOfRange { number, .. }) => key_of(*number),
-        ParameterError::Modes(ModeError::NoHysteresis { outer, .. }) => key_of(*outer),
+        ParameterError::Modes(ModeError::OutOfRange(number)) => key_of(number.name),
+        ParameterError::Modes(ModeError::NoHysteresis { outer, .. }) => key_of(outer),
         ParameterError::Modes(ModeError::ExperimentNext) => "experiment_next",
         ParameterError::Modes(ModeError::NoDipole) => DIPOLE_SIGMA,
         ParameterError::Modes(ModeError::NotDespin) => "detumble",
@@ -146,16 +131,16 @@ fn refuse(root: &Section, section: &Section, error: &ParameterError) {
 /// What is wrong, with angles in degrees.
 fn in_degrees(error: &ParameterError) -> String {
     match *error {
-        ParameterError::Modes(ModeError::OutOfRange { number, found, least, most }) => {
-            let is_angle = key_of(number).contains("_deg");
+        ParameterError::Modes(ModeError::OutOfRange(OutOfRange { name, found, from, to })) => {
+            let is_angle = key_of(name).contains("_deg");
             let shown = |x: f32| {
                 let x = f64::from(x);
                 // Seven digits are what there is of an f32; four of them are enough here.
                 let x = if is_angle { x.to_degrees() } else { x };
                 format!("{x:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
             };
-            let (found, least, most) = (shown(found), shown(least), shown(most));
-            format!("{found} is impossible: must be from {least} to {most}")
+            let (found, from, to) = (shown(found), shown(from), shown(to));
+            format!("{found} is impossible: must be from {from} to {to}")
         }
         ParameterError::Modes(ModeError::NoHysteresis { inner, .. }) => {
             format!("must be larger than {}, or the modes alternate", key_of(inner))
@@ -171,8 +156,8 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
     let despin_needs = needs(section, "detumble_needs", usual.despin_needs);
     let pointing_needs = needs(section, "pointing_needs", usual.pointing_needs);
     let retries = section.integer_or("retries", 0..=255, i64::from(usual.retries));
-    let number = |number: ModeNumber, default: f32| {
-        let key = key_of(number);
+    let number = |field: &'static str, default: f32| {
+        let key = key_of(field);
         let is_angle = key.contains("_deg");
         let default = f64::from(default);
         let shown = if is_angle { default.to_degrees() } else { default };
@@ -182,86 +167,51 @@ fn table(section: &Section, attitude: Option<&EstimatorParameters>) -> Option<Mo
     let has_dipole = attitude.is_some_and(|it| it.flies == Flies::Both);
     let dipole = usual.dipole_sigma_am2.unwrap_or_default();
     let dipole = if has_dipole || section.has(DIPOLE_SIGMA) {
-        number(ModeNumber::DipoleSigma, dipole).map(Some)
+        number(DIPOLE_SIGMA, dipole).map(Some)
     } else {
         Some(None)
     };
-    let rounds = section.integer_or(
-        key_of(ModeNumber::GrowingRounds),
-        2..=10_000,
-        usual.growing_rounds.into(),
-    );
-    let [
-        despun,
-        despun_for,
-        tumbling,
-        tumbling_for,
-        detumble_limit,
-        attitude_sigma,
-        slow,
-        trusted_for,
-        acquire_limit,
-        lost_for,
-        captured,
-        captured_for,
-        capture_limit,
-        experiment,
-        sensor_gap,
-        sun_gap,
-        actuator_gap,
-        factor,
-        diverged,
-        recovery,
-    ] = [
-        number(ModeNumber::Despun, usual.despun_rad_s),
-        number(ModeNumber::DespunFor, usual.despun_for_s),
-        number(ModeNumber::Tumbling, usual.tumbling_rad_s),
-        number(ModeNumber::TumblingFor, usual.tumbling_for_s),
-        number(ModeNumber::DetumbleLimit, usual.detumble_limit_s),
-        number(ModeNumber::AttitudeSigma, usual.attitude_sigma_rad),
-        number(ModeNumber::Slow, usual.slow_rad_s),
-        number(ModeNumber::TrustedFor, usual.trusted_for_s),
-        number(ModeNumber::AcquireLimit, usual.acquire_limit_s),
-        number(ModeNumber::LostFor, usual.lost_for_s),
-        number(ModeNumber::Captured, usual.captured_rad),
-        number(ModeNumber::CapturedFor, usual.captured_for_s),
-        number(ModeNumber::CaptureLimit, usual.capture_limit_s),
-        number(ModeNumber::Experiment, usual.experiment_s),
-        number(ModeNumber::SensorGap, usual.sensor_gap_s),
-        number(ModeNumber::SunGap, usual.sun_gap_s),
-        number(ModeNumber::ActuatorGap, usual.actuator_gap_s),
-        number(ModeNumber::GrowingFactor, usual.growing_factor),
-        number(ModeNumber::Diverged, usual.diverged_rad),
-        number(ModeNumber::Recovery, usual.recovery_s),
-    ];
+    let rounds = section.integer_or("growing_rounds", 2..=10_000, usual.growing_rounds.into());
+    let mut read = usual;
+    // All of them are read, so that each says what is wrong with it.
+    let mut are_good = true;
+    for (field, value) in [
+        ("despun_rad_s", &mut read.despun_rad_s),
+        ("despun_for_s", &mut read.despun_for_s),
+        ("tumbling_rad_s", &mut read.tumbling_rad_s),
+        ("tumbling_for_s", &mut read.tumbling_for_s),
+        ("detumble_limit_s", &mut read.detumble_limit_s),
+        ("attitude_sigma_rad", &mut read.attitude_sigma_rad),
+        ("slow_rad_s", &mut read.slow_rad_s),
+        ("trusted_for_s", &mut read.trusted_for_s),
+        ("acquire_limit_s", &mut read.acquire_limit_s),
+        ("lost_for_s", &mut read.lost_for_s),
+        ("captured_rad", &mut read.captured_rad),
+        ("captured_for_s", &mut read.captured_for_s),
+        ("capture_limit_s", &mut read.capture_limit_s),
+        ("experiment_s", &mut read.experiment_s),
+        ("sensor_gap_s", &mut read.sensor_gap_s),
+        ("sun_gap_s", &mut read.sun_gap_s),
+        ("actuator_gap_s", &mut read.actuator_gap_s),
+        ("growing_factor", &mut read.growing_factor),
+        ("diverged_rad", &mut read.diverged_rad),
+        ("recovery_s", &mut read.recovery_s),
+    ] {
+        match number(field, *value) {
+            Some(given) => *value = given,
+            None => are_good = false,
+        }
+    }
+    are_good.then_some(())?;
     Some(ModeParameters {
         start: start?,
-        despun_rad_s: despun?,
-        despun_for_s: despun_for?,
-        tumbling_rad_s: tumbling?,
-        tumbling_for_s: tumbling_for?,
-        detumble_limit_s: detumble_limit?,
-        attitude_sigma_rad: attitude_sigma?,
         dipole_sigma_am2: dipole?,
-        slow_rad_s: slow?,
-        trusted_for_s: trusted_for?,
-        acquire_limit_s: acquire_limit?,
-        lost_for_s: lost_for?,
-        captured_rad: captured?,
-        captured_for_s: captured_for?,
-        capture_limit_s: capture_limit?,
-        experiment_s: experiment?,
         experiment_next: next?,
-        sensor_gap_s: sensor_gap?,
-        sun_gap_s: sun_gap?,
-        actuator_gap_s: actuator_gap?,
         despin_needs: despin_needs?,
         pointing_needs: pointing_needs?,
         growing_rounds: u16::try_from(rounds?).ok()?,
-        growing_factor: factor?,
-        diverged_rad: diverged?,
-        recovery_s: recovery?,
         retries: u8::try_from(retries?).ok()?,
+        ..read
     })
 }
 

@@ -40,6 +40,27 @@ fn unknown_keys_are_refused_with_the_one_that_was_probably_meant() {
 }
 
 #[test]
+fn filters_that_cannot_work_are_refused_at_the_key_of_the_number() {
+    for (line, key, reason) in [
+        ("gyro_noise_deg_s = 9", "gyro_noise_deg_s", "must be from 1e-7 to 1e-1"),
+        ("field_noise_nt = 3e4", "field_noise_nt", "must be from 1e-9 to 2e-5"),
+        ("residual_dipole_am2 = [0, 200, 0]", "residual_dipole_am2", "must be from -1e2 to 1e2"),
+        ("residual_dipole_prior_am2 = 200", "residual_dipole_prior_am2", "from 1e-4 to 1e2"),
+        ("inertia_moment_prior = 0.4", "inertia_moment_prior", "from 0e0 to 3e-1"),
+        ("unknown_torque_time_s = 0.1", "unknown_torque_time_s", "from 1e0 to 1e6"),
+    ] {
+        let section = format!("[attitude]\nfilter = \"dynamic\"\n{line}\n[schedule]");
+        let problem = refused(MISSION, "[schedule]", &section);
+        assert_says(&problem, &format!("attitude.{key}"), reason, "");
+    }
+    // The end of a range belongs to it.
+    let workshop = Workshop::new();
+    let section = "[attitude]\nfilter = \"dynamic\"\ninertia_moment_prior = 0.3\n[schedule]";
+    workshop.change(MISSION, "[schedule]", section);
+    assert!(workshop.load().is_ok());
+}
+
+#[test]
 fn sun_sensors_that_cannot_be_are_refused_at_their_key() {
     let problem = refused(SATELLITE, "half_cone_deg = 55 ", "half_cone_deg = 60 ");
     assert_says(&problem, "sun_sensors.half_cone_deg", "wider than the diode sees", "");

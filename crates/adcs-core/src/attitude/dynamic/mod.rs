@@ -348,16 +348,23 @@ impl<T: RealField + Copy> DynamicFilter<T> {
         else {
             return DynamicOutput::none(None);
         };
-        let tracked = self.taken_over(estimate, gyro.xyz).filter(Tracked::is_sound);
-        let Some(tracked) = tracked else { return DynamicOutput::none(None) };
-        let shadow = if self.parameters.blocks.shadow { state.shadow } else { [T::zero(); 2] };
-        state.tracked = Some(Tracked { shadow, ..tracked });
+        state.tracked = self.taken_over(estimate, gyro.xyz, state.shadow);
+        let sound = state.tracked.as_ref().is_some_and(Tracked::is_sound);
+        if !sound {
+            state.tracked = None;
+            return DynamicOutput::none(None);
+        }
         state.torque_size = Some(TorqueSize::new(&self.parameters.torque));
         state.watch = Watch::new();
         self.output(state, Some(DynamicEvent::Started))
     }
 
-    fn taken_over(&self, estimate: &FilterEstimate<T>, gyro: Vector3<T>) -> Option<Tracked<T>> {
+    fn taken_over(
+        &self,
+        estimate: &FilterEstimate<T>,
+        gyro: Vector3<T>,
+        shadow: [T; 2],
+    ) -> Option<Tracked<T>> {
         let parameters = &self.parameters;
         let bias = estimate.gyro_bias.xyz;
         let of = |row: usize, column: usize| {
@@ -406,7 +413,7 @@ impl<T: RealField + Copy> DynamicFilter<T> {
             torque: Vector3::zeros(),
             shadow_dipole: [Vector3::zeros(); 2],
             field_bias: Vector3::zeros(),
-            shadow: [T::zero(); 2],
+            shadow: if parameters.blocks.shadow { shadow } else { [T::zero(); 2] },
             inertia: Inertia::new(parameters.inertia())?,
             covariance,
             blocks: parameters.blocks,

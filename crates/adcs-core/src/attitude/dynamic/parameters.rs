@@ -2,11 +2,12 @@
 
 use core::fmt;
 
-use nalgebra::{ComplexField, Matrix3, RealField, convert};
+use nalgebra::{Matrix3, RealField, convert, convert_unchecked};
 use serde::{Deserialize, Serialize};
 
 use super::block::Blocks;
 use crate::attitude::mekf::MekfParameters;
+use crate::parameter::{self, OutOfRange};
 
 /// The filter's tuning as it is stored and uplinked. Sensors are described by [`MekfParameters`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -106,82 +107,62 @@ impl<T: RealField + Copy> Default for DynamicParameters<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum DynamicError {
-    /// A parameter of the sensors.
-    Sensors(crate::attitude::mekf::MekfError),
     /// The inertia tensor is not symmetric, not positive definite, or not finite.
     Inertia,
     /// A number outside its range.
-    OutOfRange {
-        /// Which.
-        name: &'static str,
-        /// What was given.
-        found: f64,
-        /// The smallest that is accepted.
-        from: f64,
-        /// The largest that is accepted.
-        to: f64,
-    },
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for DynamicError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Sensors(error) => write!(f, "{error}"),
             Self::Inertia => {
                 write!(f, "the inertia tensor must be symmetric and positive definite")
             }
-            Self::OutOfRange { name, found, from, to } => {
-                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for DynamicError {}
 
+impl From<OutOfRange> for DynamicError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
 impl<T: RealField + Copy> DynamicParameters<T> {
     /// Whether the filter can work with this.
     pub(super) fn check(&self) -> Result<(), DynamicError> {
-        self.sensors.check().map_err(DynamicError::Sensors)?;
-        let tensor = self.inertia();
-        let physical = tensor.iter().all(ComplexField::is_finite)
-            && tensor == tensor.transpose()
-            && tensor.cholesky().is_some();
-        if !physical {
-            return Err(DynamicError::Inertia);
-        }
+        self.sensors.check()?;
+        parameter::inertia(self.inertia_kg_m2).ok_or(DynamicError::Inertia)?;
         let TorqueNoise { smallest_n_m, start_n_m, largest_n_m, correlation_s, memory_s } =
             self.torque;
         let [m_x, m_y, m_z] = self.dipole_am2;
         let [soon, late] = self.shadow_lags_s;
-        let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
-        let (smallest, largest) = (number(smallest_n_m), number(largest_n_m));
-        for (name, found, from, to) in [
-            ("the mean moment of inertia", self.mean_moment(), 1e-6, 1e4),
-            ("the prior of the moments of inertia", self.moment_prior, 0.0, 0.3),
-            ("the prior of the products of inertia", self.product_prior, 0.0, 0.3),
-            ("the residual dipole along x", m_x, -100.0, 100.0),
-            ("the residual dipole along y", m_y, -100.0, 100.0),
-            ("the residual dipole along z", m_z, -100.0, 100.0),
-            ("the prior of the residual dipole", self.dipole_prior_am2, 1e-4, 100.0),
-            ("the walk of the residual dipole", self.dipole_walk_am2_per_sqrt_s, 0.0, 1.0),
-            ("the step of the residual dipole", self.dipole_step_am2, 0.0, 10.0),
-            ("the short lag of that step", soon, 0.0, 1e4),
-            ("the long lag of that step", late, 0.0, 1e4),
-            ("the prior of the magnetometer's bias", self.field_bias_prior_t, 1e-12, 1e-4),
-            ("the white torque", self.white_torque_n_m_sqrt_s, 0.0, 1e-3),
-            ("the allowance for the inertia", self.inertia_allowance, 0.0, 0.5),
-            ("the smallest unknown torque", smallest_n_m, 1e-10, 1e-3),
-            ("the largest unknown torque", largest_n_m, smallest, 1e-3),
-            ("the unknown torque at the start", start_n_m, smallest, largest),
-            ("the unknown torque's correlation time", correlation_s, 1.0, 1e6),
-            ("the memory for the unknown torque", memory_s, 10.0, 1e6),
-        ] {
-            let found: f64 = number(found);
-            if !(from..=to).contains(&found) {
-                return Err(DynamicError::OutOfRange { name, found, from, to });
-            }
-        }
+        let [smallest, largest] = [smallest_n_m, largest_n_m].map(convert_unchecked::<T, f64>);
+        parameter::check(&[
+            ("inertia_kg_m2, its mean moment", self.mean_moment(), 1e-6, 1e4),
+            ("moment_prior", self.moment_prior, 0.0, 0.3),
+            ("product_prior", self.product_prior, 0.0, 0.3),
+            ("dipole_am2[0]", m_x, -100.0, 100.0),
+            ("dipole_am2[1]", m_y, -100.0, 100.0),
+            ("dipole_am2[2]", m_z, -100.0, 100.0),
+            ("dipole_prior_am2", self.dipole_prior_am2, 1e-4, 100.0),
+            ("dipole_walk_am2_per_sqrt_s", self.dipole_walk_am2_per_sqrt_s, 0.0, 1.0),
+            ("dipole_step_am2", self.dipole_step_am2, 0.0, 10.0),
+            ("shadow_lags_s[0]", soon, 0.0, 1e4),
+            ("shadow_lags_s[1]", late, 0.0, 1e4),
+            ("field_bias_prior_t", self.field_bias_prior_t, 1e-12, 1e-4),
+            ("white_torque_n_m_sqrt_s", self.white_torque_n_m_sqrt_s, 0.0, 1e-3),
+            ("inertia_allowance", self.inertia_allowance, 0.0, 0.5),
+            ("torque.smallest_n_m", smallest_n_m, 1e-10, 1e-3),
+            ("torque.largest_n_m", largest_n_m, smallest, 1e-3),
+            ("torque.start_n_m", start_n_m, smallest, largest),
+            ("torque.correlation_s", correlation_s, 1.0, 1e6),
+            ("torque.memory_s", memory_s, 10.0, 1e6),
+        ])?;
         Ok(())
     }
 
@@ -200,7 +181,6 @@ impl<T: RealField + Copy> DynamicParameters<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::attitude::mekf::Parameter;
 
     fn refused(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<DynamicError> {
         let mut parameters = DynamicParameters::default();
@@ -210,9 +190,8 @@ mod tests {
 
     fn refused_name(change: impl FnOnce(&mut DynamicParameters<f32>)) -> Option<&'static str> {
         match refused(change)? {
-            DynamicError::OutOfRange { name, .. } => Some(name),
+            DynamicError::OutOfRange(error) => Some(error.name),
             DynamicError::Inertia => Some("inertia"),
-            DynamicError::Sensors(_) => Some("sensors"),
         }
     }
 
@@ -226,24 +205,24 @@ mod tests {
     fn impossible_values_are_refused_by_name() {
         type Field = fn(&mut DynamicParameters<f32>) -> &mut f32;
         let fields: [(Field, &str); 18] = [
-            (|p| &mut p.moment_prior, "the prior of the moments of inertia"),
-            (|p| &mut p.product_prior, "the prior of the products of inertia"),
-            (|p| &mut p.dipole_am2[0], "the residual dipole along x"),
-            (|p| &mut p.dipole_am2[1], "the residual dipole along y"),
-            (|p| &mut p.dipole_am2[2], "the residual dipole along z"),
-            (|p| &mut p.dipole_prior_am2, "the prior of the residual dipole"),
-            (|p| &mut p.dipole_walk_am2_per_sqrt_s, "the walk of the residual dipole"),
-            (|p| &mut p.dipole_step_am2, "the step of the residual dipole"),
-            (|p| &mut p.shadow_lags_s[0], "the short lag of that step"),
-            (|p| &mut p.shadow_lags_s[1], "the long lag of that step"),
-            (|p| &mut p.field_bias_prior_t, "the prior of the magnetometer's bias"),
-            (|p| &mut p.white_torque_n_m_sqrt_s, "the white torque"),
-            (|p| &mut p.inertia_allowance, "the allowance for the inertia"),
-            (|p| &mut p.torque.smallest_n_m, "the smallest unknown torque"),
-            (|p| &mut p.torque.start_n_m, "the unknown torque at the start"),
-            (|p| &mut p.torque.largest_n_m, "the largest unknown torque"),
-            (|p| &mut p.torque.correlation_s, "the unknown torque's correlation time"),
-            (|p| &mut p.torque.memory_s, "the memory for the unknown torque"),
+            (|p| &mut p.moment_prior, "moment_prior"),
+            (|p| &mut p.product_prior, "product_prior"),
+            (|p| &mut p.dipole_am2[0], "dipole_am2[0]"),
+            (|p| &mut p.dipole_am2[1], "dipole_am2[1]"),
+            (|p| &mut p.dipole_am2[2], "dipole_am2[2]"),
+            (|p| &mut p.dipole_prior_am2, "dipole_prior_am2"),
+            (|p| &mut p.dipole_walk_am2_per_sqrt_s, "dipole_walk_am2_per_sqrt_s"),
+            (|p| &mut p.dipole_step_am2, "dipole_step_am2"),
+            (|p| &mut p.shadow_lags_s[0], "shadow_lags_s[0]"),
+            (|p| &mut p.shadow_lags_s[1], "shadow_lags_s[1]"),
+            (|p| &mut p.field_bias_prior_t, "field_bias_prior_t"),
+            (|p| &mut p.white_torque_n_m_sqrt_s, "white_torque_n_m_sqrt_s"),
+            (|p| &mut p.inertia_allowance, "inertia_allowance"),
+            (|p| &mut p.torque.smallest_n_m, "torque.smallest_n_m"),
+            (|p| &mut p.torque.start_n_m, "torque.start_n_m"),
+            (|p| &mut p.torque.largest_n_m, "torque.largest_n_m"),
+            (|p| &mut p.torque.correlation_s, "torque.correlation_s"),
+            (|p| &mut p.torque.memory_s, "torque.memory_s"),
         ];
         for (field, name) in fields {
             for bad in [f32::NAN, f32::INFINITY, -1e9] {
@@ -252,7 +231,7 @@ mod tests {
         }
         // A forgotten factor of 1e6: micronewton metres.
         let start = refused_name(|p| p.torque.start_n_m = 0.08);
-        assert_eq!(start, Some("the unknown torque at the start"));
+        assert_eq!(start, Some("torque.start_n_m"));
         // No walk, no step and a tensor that is known are possible.
         assert_eq!(refused(|p| p.dipole_walk_am2_per_sqrt_s = 0.0), None);
         assert_eq!(refused(|p| p.dipole_step_am2 = 0.0), None);
@@ -262,11 +241,11 @@ mod tests {
     #[test]
     fn the_unknown_torque_is_between_its_limits_from_the_start() {
         let start = refused_name(|p| p.torque.start_n_m = 1e-8);
-        assert_eq!(start, Some("the unknown torque at the start"), "below the smallest");
+        assert_eq!(start, Some("torque.start_n_m"), "below the smallest");
         let start = refused_name(|p| p.torque.start_n_m = 3e-6);
-        assert_eq!(start, Some("the unknown torque at the start"), "above the largest");
+        assert_eq!(start, Some("torque.start_n_m"), "above the largest");
         let largest = refused_name(|p| p.torque.largest_n_m = 1e-8);
-        assert_eq!(largest, Some("the largest unknown torque"), "below the smallest");
+        assert_eq!(largest, Some("torque.largest_n_m"), "below the smallest");
     }
 
     #[test]
@@ -279,14 +258,12 @@ mod tests {
         }
         // Grams and square millimetres.
         let name = refused_name(|p| p.inertia_kg_m2.iter_mut().flatten().for_each(|j| *j *= 1e9));
-        assert_eq!(name, Some("the mean moment of inertia"));
+        assert_eq!(name, Some("inertia_kg_m2, its mean moment"));
     }
 
     #[test]
     fn what_the_mekf_refuses_is_refused() {
-        match refused(|p| p.sensors.gyro_noise_rad_s = f32::NAN) {
-            Some(DynamicError::Sensors(error)) => assert_eq!(error.parameter, Parameter::GyroNoise),
-            other => panic!("{other:?}"),
-        }
+        let name = refused_name(|p| p.sensors.gyro_noise_rad_s = f32::NAN);
+        assert_eq!(name, Some("gyro_noise_rad_s"));
     }
 }

@@ -39,12 +39,13 @@ mod update;
 use nalgebra::{Matrix3, RealField, Vector3};
 
 use crate::frames::{Body, Eci, Rotation, Vector};
+use crate::parameter::{self, OutOfRange};
 use crate::reading::Reading;
 
 pub use self::gyro::GyroSampling;
 pub use self::inputs::{FieldPair, GivenStart, Inputs, SunPair};
 pub use self::output::{Event, FilterEstimate, Innovation, Lost, Output, Source};
-pub use self::parameters::{FieldNoise, Gates, Limits, MekfError, MekfParameters, Parameter};
+pub use self::parameters::{FieldNoise, Gates, Limits, MekfParameters};
 
 use self::gyro::HeldRate;
 use self::monitor::{Monitor, is_covariance};
@@ -86,8 +87,8 @@ impl<T: RealField + Copy> Mekf<T> {
     /// Accepts parameters.
     ///
     /// # Errors
-    /// [`MekfError`] with the parameter, its value and its range.
-    pub fn new(parameters: &MekfParameters<T>) -> Result<Self, MekfError> {
+    /// [`OutOfRange`] with the parameter, its value and its range.
+    pub fn new(parameters: &MekfParameters<T>) -> Result<Self, OutOfRange> {
         parameters.check()?;
         Ok(Self { parameters: *parameters, field_noise_t: parameters.field_noise.sigma_t() })
     }
@@ -96,14 +97,17 @@ impl<T: RealField + Copy> Mekf<T> {
     /// goes, and given up when field and Sun agree on another.
     ///
     /// # Errors
-    /// [`MekfError`] when a σ or the bias is out of range; the state is then as before.
-    pub fn begin(&self, state: &mut MekfState<T>, start: &GivenStart<T>) -> Result<(), MekfError> {
+    /// [`OutOfRange`] when a σ or the bias is out of range; the state is then as before.
+    pub fn begin(&self, state: &mut MekfState<T>, start: &GivenStart<T>) -> Result<(), OutOfRange> {
         let GivenStart { r_bi, attitude_sigma_rad, gyro_bias, gyro_bias_sigma_rad_s } = *start;
-        Parameter::StartAttitudeSigma.check(attitude_sigma_rad)?;
-        Parameter::StartBiasSigma.check(gyro_bias_sigma_rad_s)?;
-        for bias in gyro_bias.to_array() {
-            Parameter::StartBias.check(bias)?;
-        }
+        let [x, y, z] = gyro_bias.to_array();
+        parameter::check(&[
+            ("attitude_sigma_rad", attitude_sigma_rad, 1e-6, core::f64::consts::PI),
+            ("gyro_bias_sigma_rad_s", gyro_bias_sigma_rad_s, 1e-9, 1.0),
+            ("gyro_bias[0], rad/s", x, -1.0, 1.0),
+            ("gyro_bias[1], rad/s", y, -1.0, 1.0),
+            ("gyro_bias[2], rad/s", z, -1.0, 1.0),
+        ])?;
         let attitude = Matrix3::from_diagonal_element(attitude_sigma_rad * attitude_sigma_rad);
         let bias_variance = gyro_bias_sigma_rad_s * gyro_bias_sigma_rad_s;
         state.begin(Tracked::new(r_bi, &attitude, gyro_bias.xyz, bias_variance));

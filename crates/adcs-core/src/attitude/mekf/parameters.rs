@@ -1,13 +1,12 @@
 //! What the filter is told about its sensors, and what it refuses to be told.
 
-use core::fmt;
-
 use nalgebra::{RealField, convert};
 use serde::{Deserialize, Serialize};
 
 use super::gyro::GyroSampling;
 use crate::attitude::Method;
 use crate::frames::{Body, Vector};
+use crate::parameter::{self, OutOfRange};
 use crate::reading::Reading;
 
 /// The filter's tuning as it is stored and uplinked.
@@ -140,141 +139,32 @@ impl<T: RealField + Copy> FieldNoise<T> {
     }
 }
 
-/// Which parameter was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Parameter {
-    /// [`MekfParameters::gyro_noise_rad_s`].
-    GyroNoise,
-    /// [`MekfParameters::bias_walk_rad_s_per_sqrt_s`].
-    BiasWalk,
-    /// [`MekfParameters::bias_prior_rad_s`].
-    BiasPrior,
-    /// [`FieldNoise::sensor_t`].
-    FieldSensor,
-    /// [`FieldNoise::calibration_t`].
-    FieldCalibration,
-    /// [`FieldNoise::model_t`].
-    FieldModel,
-    /// [`MekfParameters::sun_noise_rad`].
-    SunNoise,
-    /// [`Gates::field_nis`].
-    FieldGate,
-    /// [`Gates::sun_nis`].
-    SunGate,
-    /// [`Gates::contradictions_in_a_row`].
-    Contradictions,
-    /// [`Limits::step_s`].
-    Step,
-    /// [`Limits::rate_rad_s`].
-    Rate,
-    /// [`Limits::coast_s`].
-    Coast,
-    /// [`Limits::coast_acceleration_rad_s2`].
-    CoastAcceleration,
-    /// [`Limits::linear_rad`].
-    Linear,
-    /// [`GivenStart::attitude_sigma_rad`](super::GivenStart::attitude_sigma_rad).
-    StartAttitudeSigma,
-    /// [`GivenStart::gyro_bias`](super::GivenStart::gyro_bias), an axis.
-    StartBias,
-    /// [`GivenStart::gyro_bias_sigma_rad_s`](super::GivenStart::gyro_bias_sigma_rad_s).
-    StartBiasSigma,
-}
-
-/// A value outside the range in which the filter works; what was in force stays.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MekfError {
-    /// Which.
-    pub parameter: Parameter,
-    /// What was given, in the parameter's unit.
-    pub found: f64,
-}
-
-impl fmt::Display for MekfError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Range { name, unit, from, to } = self.parameter.range();
-        write!(f, "{name} is {:e}, it must be from {from:e} to {to:e} {unit}", self.found)
-    }
-}
-
-impl core::error::Error for MekfError {}
-
-/// What a parameter is called and may be.
-struct Range {
-    name: &'static str,
-    unit: &'static str,
-    from: f64,
-    to: f64,
-}
-
-impl Parameter {
-    /// The ranges are those of instruments one could fly. The lower ends of the noises keep the
-    /// covariance where f32 holds it (docs/filters).
-    fn range(self) -> Range {
-        let range = |name, unit, from, to| Range { name, unit, from, to };
-        match self {
-            Self::GyroNoise => range("the gyro's noise", "rad/s", 1e-7, 0.1),
-            Self::BiasWalk => range("the walk of the gyro bias", "rad/s per root s", 0.0, 1e-2),
-            Self::BiasPrior => range("the prior of the gyro bias", "rad/s", 1e-7, 1.0),
-            Self::FieldSensor => range("the magnetometer's noise", "T", 1e-9, 2e-5),
-            Self::FieldCalibration => range("what calibration leaves", "T", 0.0, 2e-5),
-            Self::FieldModel => range("the field model's noise", "T", 0.0, 2e-5),
-            Self::SunNoise => range("the Sun sensor's noise", "rad", 1e-4, 0.35),
-            Self::FieldGate => range("the field's gate", "(NIS)", 6.0, 1e6),
-            Self::SunGate => range("the Sun's gate", "(NIS)", 4.0, 1e6),
-            Self::Contradictions => range("contradictions in a row", "", 1.0, 255.0),
-            Self::Step => range("the longest step", "s", 1e-3, 60.0),
-            Self::Rate => range("the fastest rate", "rad/s", 1e-3, 100.0),
-            Self::Coast => range("the longest time without gyro", "s", 0.0, 600.0),
-            Self::CoastAcceleration => {
-                range("the acceleration without gyro", "rad/s per s", 0.0, 10.0)
-            }
-            Self::Linear => range("the limit of linearity", "rad", 1e-2, 1.0),
-            Self::StartAttitudeSigma => {
-                range("the start's attitude sigma", "rad", 1e-6, core::f64::consts::PI)
-            }
-            Self::StartBias => range("the start's gyro bias", "rad/s", -1.0, 1.0),
-            Self::StartBiasSigma => range("the start's bias sigma", "rad/s", 1e-9, 1.0),
-        }
-    }
-
-    /// Refuses a value outside the range, NaN too.
-    pub(super) fn check<T: RealField + Copy>(self, value: T) -> Result<(), MekfError> {
-        let Range { from, to, .. } = self.range();
-        let within = value >= convert(from) && value <= convert(to);
-        let found = || value.to_subset_unchecked();
-        within.then_some(()).ok_or_else(|| MekfError { parameter: self, found: found() })
-    }
-}
-
 impl<T: RealField + Copy> MekfParameters<T> {
-    /// Whether every value is within its range.
-    pub(in crate::attitude) fn check(&self) -> Result<(), MekfError> {
+    /// Whether every value is within its range: those of instruments one could fly. The lower ends of the
+    /// noises keep the covariance where f32 holds it (docs/filters).
+    pub(in crate::attitude) fn check(&self) -> Result<(), OutOfRange> {
         let FieldNoise { sensor_t, calibration_t, model_t } = self.field_noise;
         let Gates { field_nis, sun_nis, contradictions_in_a_row } = self.gates;
         let Limits { step_s, rate_rad_s, coast_s, coast_acceleration_rad_s2, linear_rad } =
             self.limits;
-        let values = [
-            (Parameter::GyroNoise, self.gyro_noise_rad_s),
-            (Parameter::BiasWalk, self.bias_walk_rad_s_per_sqrt_s),
-            (Parameter::BiasPrior, self.bias_prior_rad_s),
-            (Parameter::FieldSensor, sensor_t),
-            (Parameter::FieldCalibration, calibration_t),
-            (Parameter::FieldModel, model_t),
-            (Parameter::SunNoise, self.sun_noise_rad),
-            (Parameter::FieldGate, field_nis),
-            (Parameter::SunGate, sun_nis),
-            (Parameter::Contradictions, convert(f64::from(contradictions_in_a_row))),
-            (Parameter::Step, step_s),
-            (Parameter::Rate, rate_rad_s),
-            (Parameter::Coast, coast_s),
-            (Parameter::CoastAcceleration, coast_acceleration_rad_s2),
-            (Parameter::Linear, linear_rad),
-        ];
-        values.iter().try_for_each(|(parameter, value)| parameter.check(*value))
+        let contradictions = convert(f64::from(contradictions_in_a_row));
+        parameter::check(&[
+            ("gyro_noise_rad_s", self.gyro_noise_rad_s, 1e-7, 0.1),
+            ("bias_walk_rad_s_per_sqrt_s", self.bias_walk_rad_s_per_sqrt_s, 0.0, 1e-2),
+            ("bias_prior_rad_s", self.bias_prior_rad_s, 1e-7, 1.0),
+            ("field_noise.sensor_t", sensor_t, 1e-9, 2e-5),
+            ("field_noise.calibration_t", calibration_t, 0.0, 2e-5),
+            ("field_noise.model_t", model_t, 0.0, 2e-5),
+            ("sun_noise_rad", self.sun_noise_rad, 1e-4, 0.35),
+            ("gates.field_nis", field_nis, 6.0, 1e6),
+            ("gates.sun_nis", sun_nis, 4.0, 1e6),
+            ("gates.contradictions_in_a_row", contradictions, 1.0, 255.0),
+            ("limits.step_s", step_s, 1e-3, 60.0),
+            ("limits.rate_rad_s", rate_rad_s, 1e-3, 100.0),
+            ("limits.coast_s", coast_s, 0.0, 600.0),
+            ("limits.coast_acceleration_rad_s2", coast_acceleration_rad_s2, 0.0, 10.0),
+            ("limits.linear_rad", linear_rad, 1e-2, 1.0),
+        ])
     }
 }
 
@@ -282,10 +172,10 @@ impl<T: RealField + Copy> MekfParameters<T> {
 mod tests {
     use super::*;
 
-    fn refused(change: impl FnOnce(&mut MekfParameters<f32>)) -> Option<Parameter> {
+    fn refused(change: impl FnOnce(&mut MekfParameters<f32>)) -> Option<&'static str> {
         let mut parameters = MekfParameters::default();
         change(&mut parameters);
-        parameters.check().err().map(|error| error.parameter)
+        parameters.check().err().map(|error| error.name)
     }
 
     #[test]
@@ -297,16 +187,16 @@ mod tests {
     #[test]
     fn impossible_values_are_refused_by_name() {
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-            assert_eq!(refused(|p| p.gyro_noise_rad_s = bad), Some(Parameter::GyroNoise));
-            assert_eq!(refused(|p| p.sun_noise_rad = bad), Some(Parameter::SunNoise));
-            assert_eq!(refused(|p| p.field_noise.sensor_t = bad), Some(Parameter::FieldSensor));
-            assert_eq!(refused(|p| p.limits.step_s = bad), Some(Parameter::Step));
+            assert_eq!(refused(|p| p.gyro_noise_rad_s = bad), Some("gyro_noise_rad_s"));
+            assert_eq!(refused(|p| p.sun_noise_rad = bad), Some("sun_noise_rad"));
+            assert_eq!(refused(|p| p.field_noise.sensor_t = bad), Some("field_noise.sensor_t"));
+            assert_eq!(refused(|p| p.limits.step_s = bad), Some("limits.step_s"));
         }
         // A forgotten factor of 1e9 or 57.
-        assert_eq!(refused(|p| p.field_noise.sensor_t = 500.0), Some(Parameter::FieldSensor));
-        assert_eq!(refused(|p| p.sun_noise_rad = 0.664), Some(Parameter::SunNoise));
+        assert_eq!(refused(|p| p.field_noise.sensor_t = 500.0), Some("field_noise.sensor_t"));
+        assert_eq!(refused(|p| p.sun_noise_rad = 0.664), Some("sun_noise_rad"));
         let none = refused(|p| p.gates.contradictions_in_a_row = 0);
-        assert_eq!(none, Some(Parameter::Contradictions));
+        assert_eq!(none, Some("gates.contradictions_in_a_row"));
         // No walk and nothing left by a calibration are possible.
         assert_eq!(refused(|p| p.bias_walk_rad_s_per_sqrt_s = 0.0), None);
         assert_eq!(refused(|p| p.field_noise.calibration_t = 0.0), None);

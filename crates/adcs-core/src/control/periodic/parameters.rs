@@ -2,10 +2,11 @@
 
 use core::fmt;
 
-use nalgebra::{ComplexField, Matrix3, RealField, convert};
+use nalgebra::{Matrix3, RealField, convert, convert_unchecked};
 use serde::{Deserialize, Serialize};
 
 use super::plan::NODES;
+use crate::parameter::{self, OutOfRange};
 
 /// The law as stored and uplinked.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -54,16 +55,7 @@ pub enum PeriodicError {
     /// The inertia tensor is not symmetric, not positive definite, or not finite.
     Inertia,
     /// A number outside its range.
-    OutOfRange {
-        /// Which.
-        name: &'static str,
-        /// What was given.
-        found: f64,
-        /// The smallest that is accepted.
-        from: f64,
-        /// The largest that is accepted.
-        to: f64,
-    },
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for PeriodicError {
@@ -72,41 +64,32 @@ impl fmt::Display for PeriodicError {
             Self::Inertia => {
                 write!(f, "the inertia tensor must be symmetric and positive definite")
             }
-            Self::OutOfRange { name, found, from, to } => {
-                write!(f, "{name} is {found:e}, it must be from {from:e} to {to:e}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for PeriodicError {}
 
+impl From<OutOfRange> for PeriodicError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
 impl<T: RealField + Copy> PeriodicParameters<T> {
     /// Whether the law can work with this; its inertia tensor, and the inverse.
     pub(super) fn check(&self) -> Result<[Matrix3<T>; 2], PeriodicError> {
-        let number = |value: T| nalgebra::try_convert(value).unwrap_or(f64::NAN);
-        let step = number(self.step_s);
         // The sweep keeps NODES of them, and looks further than it keeps.
-        let kept = step * (NODES - 1) as f64;
-        for (name, found, from, to) in [
-            ("the weight of attitude", self.attitude_weight_rad, 1e-3, 1.0),
-            ("the weight of rate", self.rate_weight_rad_s, 1e-6, 1.0),
-            ("the weight of the dipole", self.dipole_weight_am2, 1e-6, 1e3),
-            ("the step of the sweep", self.step_s, 10.0, 240.0),
-            ("the horizon of the sweep", self.horizon_s, kept, 16.0 * kept),
-        ] {
-            let found: f64 = number(found);
-            if !(from..=to).contains(&found) {
-                return Err(PeriodicError::OutOfRange { name, found, from, to });
-            }
-        }
-        let inertia = Matrix3::from(self.inertia_kg_m2).transpose();
-        let symmetric =
-            inertia == inertia.transpose() && inertia.iter().all(ComplexField::is_finite);
-        match inertia.try_inverse() {
-            Some(inverse) if symmetric && inertia.cholesky().is_some() => Ok([inertia, inverse]),
-            _ => Err(PeriodicError::Inertia),
-        }
+        let kept = convert_unchecked::<T, f64>(self.step_s) * (NODES - 1) as f64;
+        parameter::check(&[
+            ("attitude_weight_rad", self.attitude_weight_rad, 1e-3, 1.0),
+            ("rate_weight_rad_s", self.rate_weight_rad_s, 1e-6, 1.0),
+            ("dipole_weight_am2", self.dipole_weight_am2, 1e-6, 1e3),
+            ("step_s", self.step_s, 10.0, 240.0),
+            ("horizon_s", self.horizon_s, kept, 16.0 * kept),
+        ])?;
+        parameter::inertia(self.inertia_kg_m2).ok_or(PeriodicError::Inertia)
     }
 }
 
@@ -130,18 +113,18 @@ mod tests {
     #[test]
     fn what_no_satellite_flies_is_refused_by_name() {
         let changes: [(Change, &str); 7] = [
-            (|p| p.attitude_weight_rad = f32::NAN, "the weight of attitude"),
+            (|p| p.attitude_weight_rad = f32::NAN, "attitude_weight_rad"),
             // Degrees.
-            (|p| p.attitude_weight_rad = 5.0, "the weight of attitude"),
-            (|p| p.rate_weight_rad_s = -1.0, "the weight of rate"),
-            (|p| p.dipole_weight_am2 = 0.0, "the weight of the dipole"),
-            (|p| p.step_s = 600.0, "the step of the sweep"),
-            (|p| p.horizon_s = 600.0, "the horizon of the sweep"),
-            (|p| p.horizon_s = f32::INFINITY, "the horizon of the sweep"),
+            (|p| p.attitude_weight_rad = 5.0, "attitude_weight_rad"),
+            (|p| p.rate_weight_rad_s = -1.0, "rate_weight_rad_s"),
+            (|p| p.dipole_weight_am2 = 0.0, "dipole_weight_am2"),
+            (|p| p.step_s = 600.0, "step_s"),
+            (|p| p.horizon_s = 600.0, "horizon_s"),
+            (|p| p.horizon_s = f32::INFINITY, "horizon_s"),
         ];
         for (change, expected) in changes {
             match refused(change) {
-                Some(PeriodicError::OutOfRange { name, .. }) => assert_eq!(name, expected),
+                Some(PeriodicError::OutOfRange(error)) => assert_eq!(error.name, expected),
                 other => panic!("{expected}: {other:?}"),
             }
         }

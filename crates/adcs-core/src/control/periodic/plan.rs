@@ -72,13 +72,17 @@ pub struct Plan<T: RealField + Copy = f32> {
 
 impl<T: RealField + Copy> Default for Plan<T> {
     fn default() -> Self {
-        let origin = Utc::from_micros_since_2000(0);
-        let table = Table { origin, step_s: 1.0, nodes: [Gains::zero(); NODES] };
-        Self { good: false, next: table.clone(), table, running: None, failed: None }
+        let (table, next) = (Table::empty(), Table::empty());
+        Self { good: false, table, next, running: None, failed: None }
     }
 }
 
 impl<T: RealField + Copy> Table<T> {
+    fn empty() -> Self {
+        let origin = Utc::from_micros_since_2000(0);
+        Self { origin, step_s: 1.0, nodes: [Gains::zero(); NODES] }
+    }
+
     /// How many nodes into the table an instant lies.
     fn place(&self, now: Utc) -> f64 {
         now.seconds_since(self.origin) / self.step_s

@@ -17,6 +17,7 @@
 use nalgebra::{ComplexField, Matrix3, RealField, SMatrix, convert};
 
 use super::model::Step;
+use crate::rolled::{product, transposed_product};
 
 /// Where a sweep begins, the cost of being off at its end beside that of a second: large enough not to
 /// matter two orbits later, small enough for f32.
@@ -68,13 +69,14 @@ impl<T: RealField + Copy> Cost<T> {
     /// One step of `dt_s` earlier; `None` when a number is not finite.
     pub(super) fn before(&self, step: &Step<T>, dt_s: T) -> Option<Self> {
         let Step { phi, gamma, gamma_d } = step;
-        let p_gamma = self.p * gamma;
-        let effort = Matrix3::from_diagonal_element(dt_s) + gamma.tr_mul(&p_gamma);
-        let l = effort.try_inverse()? * p_gamma.tr_mul(phi);
-        let closed = phi - gamma * l;
-        let p = phi.tr_mul(&(self.p * closed)) + SMatrix::from_diagonal_element(dt_s);
+        let p_gamma = product(&self.p, gamma);
+        let effort = Matrix3::from_diagonal_element(dt_s) + transposed_product(gamma, &p_gamma);
+        let l = effort.try_inverse()? * transposed_product(&p_gamma, phi);
+        let closed = phi - product(gamma, &l);
+        let p = transposed_product(phi, &product(&self.p, &closed))
+            + SMatrix::from_diagonal_element(dt_s);
         let p = (p + p.transpose()) * convert::<f64, T>(0.5);
-        let w = closed.tr_mul(&(self.p * gamma_d + self.w));
+        let w = transposed_product(&closed, &(product(&self.p, gamma_d) + self.w));
         let finite = p.iter().chain(&w).all(ComplexField::is_finite);
         finite.then_some(Self { p, w })
     }

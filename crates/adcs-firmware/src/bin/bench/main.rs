@@ -18,8 +18,6 @@ mod stages;
 fn main() -> ! {
     let mut boot = adcs_firmware::boot::boot();
     stages::run(&counter::Counter::new(&mut boot.core.SYST));
-    let stack = adcs_firmware::memory::stack_use();
-    semihosting::eprintln!("bytes stack {}", stack.peak_bytes);
     semihosting::process::exit(0)
 }
 

@@ -34,6 +34,7 @@ use adcs_core::{
     sensing::{Expected, SunFaces, SunFacesParameters},
     time::{LeapSeconds, Utc, gmst82_rad},
 };
+use adcs_firmware::{memory, remembered};
 use adcs_link::message::Message;
 use adcs_sim::{
     exact_board::ExactBoard,
@@ -41,7 +42,6 @@ use adcs_sim::{
     scenario::{Readings, Scenario},
     world::World,
 };
-use cortex_m::singleton;
 use igrf::{Coefficients, DecimalYear};
 use semihosting::eprintln;
 use sgp4_lite::{MinutesSinceEpoch, Propagator};
@@ -55,6 +55,13 @@ const TRUTH_STEPS: u32 = 25;
 
 /// Counts every stage and prints the results. Nothing here fails with the constants given.
 pub fn run(counter: &Counter) {
+    // The flights first, and what they take of the stack: the stages alone are not flown so, and keep what they
+    // work on there.
+    let room = remembered::room().expect("the first and only");
+    cycle_with_chips(counter, &despin(Readings::Drivers), remembered::power_on(room));
+    let stack = memory::stack_use();
+    eprintln!("bytes stack {}", stack.peak_bytes);
+    cycle(counter, &despin(Readings::Exact), remembered::power_on(room));
     // Each with a frame of its own: together they are more than the stack.
     models(counter);
     sun(counter);
@@ -69,10 +76,6 @@ pub fn run(counter: &Counter) {
     calibration(counter);
     calibration_of_nine(counter);
     recursive_calibration(counter);
-    let state = singleton!(: State = State::default()).expect("the first and only");
-    cycle(counter, &despin(Readings::Exact), state);
-    *state = State::default();
-    cycle_with_chips(counter, &despin(Readings::Drivers), state);
 }
 
 /// The models one by one.

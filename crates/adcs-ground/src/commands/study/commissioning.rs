@@ -9,7 +9,7 @@ use adcs_ground::study::commissioning::{Quantity, Summary, World, fly};
 use anyhow::Result;
 
 use super::super::console::print;
-use super::{finish, flown, table, write};
+use super::{finish, flown, named, table, write};
 
 const HELP: &str = "\
 Satellites like SPROUT of which nobody knows anything: magnetometer scales within 20 %, cross-axis terms
@@ -54,9 +54,7 @@ pub struct Args {
 }
 
 fn world(name: &str) -> Result<World, String> {
-    let names = || World::ALL.map(World::name).join(", ");
-    let found = World::ALL.into_iter().find(|it| it.name() == name);
-    found.ok_or_else(|| format!("there is no such world; there are {}", names()))
+    named("world", &World::ALL, World::name, name)
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {

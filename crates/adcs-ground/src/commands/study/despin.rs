@@ -8,7 +8,7 @@ use adcs_ground::study::despin::{Despin, Outcome, Summary, fly};
 use anyhow::Result;
 
 use super::super::console::print;
-use super::{finish, flown, table, write};
+use super::{finish, flown, named, table, write};
 
 const HELP: &str = "\
 SPROUT's preset A2 with the paper's sensors (gyro once a second), from rates to (8, 8, 12) deg/s, inertia
@@ -47,9 +47,7 @@ pub struct Args {
 }
 
 fn case(name: &str) -> Result<Despin, String> {
-    let names = || Despin::ALL.map(Despin::name).join(", ");
-    let found = Despin::ALL.into_iter().find(|it| it.name() == name);
-    found.ok_or_else(|| format!("there is no such case; there are {}", names()))
+    named("case", &Despin::ALL, Despin::name, name)
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {

@@ -10,7 +10,7 @@ use adcs_ground::study::scene::Scene;
 use anyhow::Result;
 
 use super::super::console::print;
-use super::{flown, orbits, table};
+use super::{flown, named, orbits, table};
 
 const HELP: &str = "\
 Scenes (SPROUT's preset A2, 2 orbits, sensors of the paper at 1 Hz):
@@ -57,8 +57,7 @@ pub struct Args {
 }
 
 fn scene(name: &str) -> Result<Scene, String> {
-    let names = || Scene::ALL.map(|scene| scene.name).join(", ");
-    Scene::named(name).ok_or_else(|| format!("there is no such scene; there are {}", names()))
+    named("scene", &Scene::ALL, |scene| scene.name, name)
 }
 
 pub fn run(args: &Args) -> Result<ExitCode> {

@@ -46,6 +46,20 @@ fn orbits(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The one of this name, or what names there are.
+fn named<T: Copy>(
+    what: &str,
+    all: &[T],
+    name_of: impl Fn(T) -> &'static str,
+    name: &str,
+) -> Result<T, String> {
+    let found = all.iter().copied().find(|it| name_of(*it) == name);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|it| name_of(*it)).collect();
+        format!("there is no such {what}; there are {}", names.join(", "))
+    })
+}
+
 /// The table that a study also writes, when it is asked for.
 fn table(path: Option<&Path>, columns: &[&str]) -> Result<Option<csv::Writer<Output>>> {
     let Some(path) = path else { return Ok(None) };

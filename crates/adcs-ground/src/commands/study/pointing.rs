@@ -10,7 +10,7 @@ use adcs_ground::study::pointing::flight::{self, Flown};
 use anyhow::{Context as _, Result};
 
 use super::super::console::print;
-use super::{flown, orbits, table};
+use super::{flown, named, orbits, table};
 
 const HELP: &str = "\
 Each flight starts at any attitude, with up to 1 deg/s on each axis, at any time of two days, and flies
@@ -60,8 +60,7 @@ pub struct Args {
 }
 
 fn case(name: &str) -> Result<Case, String> {
-    let names = || Case::all().iter().map(|case| case.name).collect::<Vec<_>>().join(", ");
-    Case::named(name).ok_or_else(|| format!("there is no such case; there are {}", names()))
+    named("case", &Case::all(), |case| case.name, name)
 }
 
 const COLUMNS: [&str; 4] = ["case", "seed", "mean_deg", "captured_orbits"];

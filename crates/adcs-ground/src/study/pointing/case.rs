@@ -239,7 +239,7 @@ fn pointing_estimator() -> EstimatorParameters {
             blocks: Blocks::ALL,
             moment_prior: 0.05,
             product_prior: 0.05,
-            dipole_walk_am2_per_sqrt_s: 0.0,
+            dipole_walk_am2_per_sqrt_s: 5e-6,
             dipole_step_am2: 0.004,
             white_torque_n_m_sqrt_s: 2e-8,
             torque: TorqueNoise {

@@ -6,7 +6,7 @@ use super::state::ModesState;
 use super::{Cause, Flown, Mode, Modes, Polarity};
 use crate::commissioning::{Ended, LadderReport, LadderState, Outcome, Rung, Shortfall};
 use crate::polarity::{
-    Aim, CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Suspect, Undecided,
+    CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Purpose, Suspect, Undecided,
 };
 
 /// What looks after the wiring: one of them at a time.
@@ -38,13 +38,13 @@ impl Modes {
     ) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
         let Watch::Guard(watch) = &mut state.watch else { return None };
-        let aim = match (mode, &self.experiment) {
-            (Mode::Point, _) => Aim::Point,
-            (Mode::Experiment, Some(Flown { law, .. })) if law.points() => Aim::Point,
-            (Mode::Acquire, _) => Aim::Acquire,
-            _ => Aim::Despin,
+        let purpose = match (mode, &self.experiment) {
+            (Mode::Point, _) => Purpose::Point,
+            (Mode::Experiment, Some(Flown { law, .. })) if law.points() => Purpose::Point,
+            (Mode::Acquire, _) => Purpose::Acquire,
+            _ => Purpose::Despin,
         };
-        match guard.cycle(watch, &sight.witnessed.devices, aim) {
+        match guard.cycle(watch, &sight.witnessed.devices, purpose) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }

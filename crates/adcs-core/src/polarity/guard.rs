@@ -72,7 +72,7 @@ struct Balance {
 
 /// What the torquers are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Aim {
+pub enum Purpose {
     /// To take energy out: whatever does so is good enough.
     Despin,
     /// To take energy out, and each torquer its part of the residual dipole.
@@ -126,7 +126,12 @@ impl Guard {
     }
 
     /// One cycle of the closed loop. A stop stays one until the state is made anew.
-    pub fn cycle(&self, state: &mut GuardState, inputs: &GuardInputs, aim: Aim) -> GuardVerdict {
+    pub fn cycle(
+        &self,
+        state: &mut GuardState,
+        inputs: &GuardInputs,
+        purpose: Purpose,
+    ) -> GuardVerdict {
         let p = &self.parameters;
         let dt_s = state.last.map_or(0.0, |last| inputs.now.seconds_since(last) as f32);
         state.last = Some(inputs.now);
@@ -139,7 +144,7 @@ impl Guard {
             state.turned = Some(state.turning.evidence(p));
         }
         state.closed |= seen.dipole != Vector3::zeros();
-        if aim == Aim::Point {
+        if purpose == Purpose::Point {
             state.start = None;
         }
         if field.is_some() && state.stopped.is_none() {
@@ -147,7 +152,7 @@ impl Guard {
             state.stopped = turned_wrong.map(Suspect::Magnetometer);
         }
         if gyro.is_some() && state.stopped.is_none() {
-            state.stopped = self.judge(state, aim);
+            state.stopped = self.judge(state, purpose);
         }
         let evidence = state.evidence.unwrap_or(Evidence::NONE);
         match state.stopped {
@@ -156,11 +161,11 @@ impl Guard {
         }
     }
 
-    fn judge(&self, state: &mut GuardState, aim: Aim) -> Option<Suspect> {
+    fn judge(&self, state: &mut GuardState, purpose: Purpose) -> Option<Suspect> {
         let limit = self.parameters.log_odds;
         let turning = state.turned;
-        let response = state.response.evidence(aim == Aim::Despin);
-        let balance = if aim == Aim::Point { None } else { self.energy(state) };
+        let response = state.response.evidence(purpose == Purpose::Despin);
+        let balance = if purpose == Purpose::Point { None } else { self.energy(state) };
         let (energy, grown) = balance.unwrap_or((1.0, false));
         state.evidence = Some(Evidence {
             turning: turning.map_or(0.0, |it| it.wrong),
@@ -173,18 +178,18 @@ impl Guard {
             let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
             return Some(name(it.best));
         }
-        response.and_then(|it| self.accused(&it, aim)).or(grown.then_some(Suspect::Unknown))
+        response.and_then(|it| self.accused(&it, purpose)).or(grown.then_some(Suspect::Unknown))
     }
 
     /// Whom the answer to the torquers speaks against, when it does.
     ///
     /// Torquers that change in flight leave an estimate between what they were and what they are; where
     /// nothing explains it, it is left open what they are.
-    fn accused(&self, it: &ResponseEvidence, aim: Aim) -> Option<Suspect> {
+    fn accused(&self, it: &ResponseEvidence, purpose: Purpose) -> Option<Suspect> {
         let limit = self.parameters.log_odds;
         let goes_on = match it.best {
             // What is dead does no harm, and a despin has those that are left.
-            Answer::Dead(dead) => aim == Aim::Despin && dead != [true; 3],
+            Answer::Dead(dead) => purpose == Purpose::Despin && dead != [true; 3],
             Answer::Wired(_) => false,
         };
         if goes_on || it.wrong.max(it.dead) < limit {

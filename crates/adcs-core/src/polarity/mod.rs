@@ -27,6 +27,6 @@ pub use check::{
     ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, LONGEST_CYCLES, LONGEST_ROUNDS,
     Undecided,
 };
-pub use guard::{Aim, Guard, GuardInputs, GuardState};
+pub use guard::{Guard, GuardInputs, GuardState, Purpose};
 pub use parameters::{PolarityError, PolarityParameters};
 pub use verdict::{Evidence, GuardVerdict, Suspect};

@@ -133,14 +133,14 @@ const GAIN: f64 = 1e5;
 
 /// B-dot under the guard: when and why it was stopped, and the largest energy over the first.
 fn guarded(rig: Rig, spoil: impl Fn(u32, &mut GuardInputs)) -> (Option<(f64, Suspect)>, f64) {
-    guarded_with(rig, GAIN, Aim::Despin, spoil)
+    guarded_with(rig, GAIN, Purpose::Despin, spoil)
 }
 
 /// The same with another gain, and what it is meant to do.
 fn guarded_with(
     mut rig: Rig,
     gain: f64,
-    aim: Aim,
+    purpose: Purpose,
     spoil: impl Fn(u32, &mut GuardInputs),
 ) -> (Option<(f64, Suspect)>, f64) {
     let guard = Guard::new(&PolarityParameters::default()).unwrap();
@@ -151,7 +151,7 @@ fn guarded_with(
         let shown = rig.shown();
         let mut said = shown;
         spoil(cycle, &mut said);
-        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said, aim) {
+        if let GuardVerdict::Stop { suspect, .. } = guard.cycle(&mut state, &said, purpose) {
             return (Some((f64::from(cycle) * CYCLE_S, suspect)), largest);
         }
         command = match shown.phase {
@@ -234,10 +234,10 @@ fn wrong_sensors_are_stopped_within_two_rounds_and_wrong_torquers_within_five_mi
 
 #[test]
 fn what_spins_up_is_stopped_in_a_despin_and_left_alone_where_it_may_be_on_purpose() {
-    let spun_up = |aim| guarded_with(Rig::new(3.0, None), -GAIN, aim, nothing);
-    let (stopped, largest) = spun_up(Aim::Despin);
+    let spun_up = |purpose| guarded_with(Rig::new(3.0, None), -GAIN, purpose, nothing);
+    let (stopped, largest) = spun_up(Purpose::Despin);
     assert_eq!(stopped.map(|(_, suspect)| suspect), Some(Suspect::Unknown), "{largest}");
-    let (stopped, largest) = spun_up(Aim::Point);
+    let (stopped, largest) = spun_up(Purpose::Point);
     // Three times the energy: it does spin up.
     assert!(stopped.is_none() && largest > 3.0, "{stopped:?} {largest}");
 }
@@ -347,8 +347,8 @@ proptest! {
             (Guard::new(&parameters).unwrap(), ActiveCheck::new(&parameters).unwrap());
         let (mut guarding, mut checking) = (GuardState::default(), CheckState::default());
         for said in &said {
-            let aim = if said.phase == Phase::Acting { Aim::Acquire } else { Aim::Point };
-            let evidence = match guard.cycle(&mut guarding, said, aim) {
+            let purpose = if said.phase == Phase::Acting { Purpose::Acquire } else { Purpose::Point };
+            let evidence = match guard.cycle(&mut guarding, said, purpose) {
                 GuardVerdict::Sound(evidence) | GuardVerdict::Stop { evidence, .. } => evidence,
             };
             let Evidence { turning, response, dead, energy } = evidence;
@@ -375,7 +375,7 @@ proptest! {
                 omega_bi: reading,
                 field_b: reading,
                 carried: Vector::new(bad, bad, bad),
-            }, if phase % 2 == 0 { Aim::Despin } else { Aim::Point });
+            }, if phase % 2 == 0 { Purpose::Despin } else { Purpose::Point });
             prop_assert_eq!(verdict, GuardVerdict::Sound(Evidence::NONE));
         }
     }

@@ -31,9 +31,9 @@ fn a_despin_goes_on_with_two_torquers_and_is_stopped_with_none() {
 
 #[test]
 fn where_each_torquer_has_its_part_one_that_is_dead_is_found() {
-    for aim in [Aim::Acquire, Aim::Point] {
+    for purpose in [Purpose::Acquire, Purpose::Point] {
         for dead in SETS {
-            let (stopped, _) = guarded_with(with_dead(5.0, dead), GAIN, aim, nothing);
+            let (stopped, _) = guarded_with(with_dead(5.0, dead), GAIN, purpose, nothing);
             let (_, suspect) = stopped.unwrap();
             let open = Suspect::TorquersOrReversedMagnetometer;
             assert!([open, Suspect::DeadTorquers(dead)].contains(&suspect), "{suspect}");

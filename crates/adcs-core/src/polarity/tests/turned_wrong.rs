@@ -15,7 +15,7 @@ fn a_gyro_that_turns_wrong_after_a_quarter_of_an_hour_is_found_in_another() {
         }
         for _ in 0..2 {
             if let GuardVerdict::Stop { suspect, .. } =
-                guard.cycle(&mut state, &rig.shown(), Aim::Despin)
+                guard.cycle(&mut state, &rig.shown(), Purpose::Despin)
             {
                 found.get_or_insert((second, suspect));
             }
@@ -37,7 +37,7 @@ fn a_magnetometer_that_turns_wrong_while_the_satellite_hardly_turns_is_named_wit
         let wiring = wiring(name);
         let stopped = (0..CHANGE + WITHIN).find_map(|cycle| {
             rig.fault = (cycle >= CHANGE).then_some((Device::Magnetometer, wiring));
-            let verdict = guard.cycle(&mut state, &rig.shown(), Aim::Point);
+            let verdict = guard.cycle(&mut state, &rig.shown(), Purpose::Point);
             // The torquers hold the residual dipole down.
             rig.fly(-RESIDUAL_AM2);
             match verdict {
@@ -59,7 +59,7 @@ fn a_magnetometer_that_is_off_for_two_rests_is_left_alone() {
     for cycle in 0..600 {
         let reversed = Some((Device::Magnetometer, SignedPermutation::REVERSED));
         rig.fault = if TWO_RESTS.contains(&cycle) { reversed } else { None };
-        let verdict = guard.cycle(&mut state, &rig.shown(), Aim::Point);
+        let verdict = guard.cycle(&mut state, &rig.shown(), Purpose::Point);
         assert!(matches!(verdict, GuardVerdict::Sound(_)), "{cycle}: {verdict:?}");
         rig.fly(-RESIDUAL_AM2);
     }

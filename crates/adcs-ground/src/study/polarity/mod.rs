@@ -8,8 +8,8 @@ use adcs_app::parameters::LawParameters;
 use adcs_core::control::allocation::Allocation;
 use adcs_core::frames::Vector;
 use adcs_core::polarity::{
-    ActiveCheck, Aim, CheckReport, CheckState, CheckStep, Evidence, Guard, GuardInputs, GuardState,
-    GuardVerdict, PolarityParameters, SignedPermutation, Suspect,
+    ActiveCheck, CheckReport, CheckState, CheckStep, Evidence, Guard, GuardInputs, GuardState,
+    GuardVerdict, PolarityParameters, Purpose, SignedPermutation, Suspect,
 };
 use anyhow::Result;
 
@@ -129,7 +129,7 @@ pub fn fly_guarded(
         let moment = closed_loop.step_with(|moment| {
             let said = inputs(moment, &allocation);
             if stop.is_none() {
-                match guard.cycle(&mut state, &said, Aim::Despin) {
+                match guard.cycle(&mut state, &said, Purpose::Despin) {
                     GuardVerdict::Stop { suspect, evidence: now } => {
                         stop = Some(((moment.truth.t_s - listen_s).max(0.0), suspect));
                         evidence = now;

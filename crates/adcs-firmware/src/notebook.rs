@@ -43,14 +43,14 @@ mod tests {
     use adcs_core::commissioning::{
         CouplingFound, InertiaFound, MagnetometerFound, Outcome, RUNGS, Shortfall, Three,
     };
-    use adcs_core::polarity::{SignedPermutation, Suspect};
+    use adcs_core::polarity::Suspect;
     use proptest::prelude::*;
 
     /// Everything present, and as long as it gets.
     fn longest() -> Findings {
         let three = Three { value: [f32::MAX; 3], sigma: [f32::MIN_POSITIVE; 3] };
         let nine = [[f32::MAX; 3]; 3];
-        let suspect = Suspect::Torquers(SignedPermutation::REVERSED);
+        let suspect = Suspect::DeadTorquers([true; 3]);
         Findings {
             outcomes: [Some(Outcome::Failed(Shortfall::Miswired(suspect))); RUNGS],
             magnetometer: Some(MagnetometerFound {

@@ -5,9 +5,10 @@ use adcs_core::modes::Cause;
 use adcs_core::polarity::{CheckReport, PolarityParameters, Suspect};
 use adcs_ground::study::campaign::fly_all;
 use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling, StartingRate};
-use adcs_ground::study::polarity::pointing::{fly_pointing, turned_round};
+use adcs_ground::study::polarity::pointing::{Trouble, fly_pointing, troubles};
 use adcs_ground::study::polarity::{
-    CheckFigures, Checked, GuardFigures, Guarded, conditions, faults, fly_check, fly_guarded,
+    CheckFigures, Checked, DEAD, DeadFigures, GuardFigures, Guarded, conditions, faults, fly_check,
+    fly_guarded,
 };
 
 const RATE_DEG_S: f64 = 5.0;
@@ -77,13 +78,55 @@ fn while_the_satellite_points_the_guard_lets_it_and_stops_torquers_that_turn_wro
     let slowly = StartingRate::AnyAxis(0.5 * core::f64::consts::PI / 180.0);
     let sound = fly_all(4, |seed| fly_pointing(slowly, 1.0, None, seed), || ()).unwrap();
     assert!(sound.iter().all(|it| it.began_s.is_some() && it.ended.is_none()), "{sound:?}");
-    for fault in turned_round().into_iter().filter(|it| it.device == Device::Torquers) {
-        let flight = fly_pointing(slowly, 0.5, Some(fault), 1).unwrap();
+    let of_torquers = |trouble: &Trouble| match trouble {
+        Trouble::Turned(fault) => fault.device == Device::Torquers,
+        Trouble::Dead(_) => false,
+    };
+    for trouble in troubles().into_iter().filter(of_torquers) {
+        let flight = fly_pointing(slowly, 0.5, Some(trouble), 1).unwrap();
         let Some((after_s, cause)) = flight.ended else { panic!("{flight:?}") };
         // Which axis is not always named right; the whole loop is what stops.
-        assert!(matches!(cause, Cause::Miswired(_)), "{fault:?}: {cause:?}");
-        assert!(after_s < 1800.0, "{fault:?}: {after_s} s");
+        assert!(matches!(cause, Cause::Miswired(_)), "{trouble:?}: {cause:?}");
+        assert!(after_s < 1800.0, "{trouble:?}: {after_s} s");
     }
+}
+
+#[test]
+fn the_active_check_names_dead_torquers_and_the_guard_stops_a_despin_without_any() {
+    let p = PolarityParameters::default();
+    for dead in DEAD {
+        let conditions = Conditions { dead, ..with(None) };
+        let checks = fly_all(3, |seed| fly_check(&conditions, &p, seed), || ()).unwrap();
+        let guarded = |seed| fly_guarded(&conditions, &p, LISTEN_S, seed, false);
+        let flights = fly_all(if dead == [true; 3] { 3 } else { 0 }, guarded, || ()).unwrap();
+        assert_eq!(DeadFigures::of(&flights, &checks).named_by_check(), 1.0, "{checks:?}");
+        assert!(flights.iter().all(|flight| flight.stop.is_some()), "{flights:?}");
+    }
+}
+
+#[test]
+fn a_torquer_that_dies_while_the_satellite_points_ends_pointing() {
+    let slowly = StartingRate::AnyAxis(0.5 * core::f64::consts::PI / 180.0);
+    // Along z there is so little residual dipole that it takes up to an hour.
+    for dead in DEAD.into_iter().filter(|dead| *dead != [false, false, true]) {
+        let flight = fly_pointing(slowly, 0.5, Some(Trouble::Dead(dead)), 1).unwrap();
+        let (after_s, cause) = flight.ended.unwrap();
+        // The pointing error that grows is sooner now and then.
+        assert!(matches!(cause, Cause::Miswired(_) | Cause::ErrorGrows), "{dead:?}: {cause:?}");
+        assert!(after_s < 600.0, "{dead:?}: {after_s} s");
+    }
+}
+
+#[test]
+fn a_magnetometer_that_turns_wrong_while_the_satellite_points_is_named() {
+    let slowly = StartingRate::AnyAxis(0.5 * core::f64::consts::PI / 180.0);
+    let wiring = adcs_core::polarity::SignedPermutation::REVERSED;
+    let trouble = Trouble::Turned(Fault { device: Device::Magnetometer, wiring });
+    let flight = fly_pointing(slowly, 0.5, Some(trouble), 1).unwrap();
+    let suspect = Suspect::Magnetometer(wiring);
+    assert!(
+        matches!(flight.ended, Some((t_s, Cause::Miswired(it))) if it == suspect && t_s < 60.0)
+    );
 }
 
 #[test]

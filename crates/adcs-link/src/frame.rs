@@ -13,7 +13,7 @@ use crate::digest::Digest;
 use crate::message::Message;
 
 /// No frame is longer than this, bytes. That of the longest message, a cycle with every field
-/// present and a rung of the commissioning ladder that ended, has 491 with its CRC, what COBS adds, and the zero.
+/// present and a rung of the commissioning ladder that ended, has 495 with its CRC, what COBS adds, and the zero.
 pub const MAX_FRAME: usize = 512;
 
 /// CRC-32 of the frames, as in Ethernet.
@@ -97,7 +97,7 @@ mod tests {
     };
     use adcs_core::modes::{Cause, Mode, ModeReport, Transition};
     use adcs_core::pipeline::ControlStatus;
-    use adcs_core::polarity::{SignedPermutation, Suspect};
+    use adcs_core::polarity::Suspect;
     use adcs_core::reading::{MissingReason, Reading};
     use adcs_core::schedule::Phase;
     use adcs_core::sensing::FaceVerdict;
@@ -108,7 +108,7 @@ mod tests {
     const THREE: Three = Three { value: [f32::MAX; 3], sigma: [f32::MAX; 3] };
 
     /// That of the doc comment of [`MAX_FRAME`].
-    const LONGEST_FRAME: usize = 491;
+    const LONGEST_FRAME: usize = 495;
 
     fn longest() -> Message {
         Message::Cycle(CycleRecord {
@@ -152,7 +152,7 @@ mod tests {
                 transition: Some(Transition {
                     from: Mode::Experiment,
                     to: Mode::Experiment,
-                    cause: Cause::Miswired(Suspect::Torquers(SignedPermutation::REVERSED)),
+                    cause: Cause::Miswired(Suspect::DeadTorquers([true; 3])),
                 }),
                 refused: Some(Mode::Experiment),
                 retries: u8::MAX,
@@ -161,9 +161,7 @@ mod tests {
                 rung: Some(Rung::Inertia),
                 ended: Some(Ended {
                     rung: Rung::Magnetometer,
-                    outcome: Outcome::Failed(Shortfall::Miswired(Suspect::Torquers(
-                        SignedPermutation::REVERSED,
-                    ))),
+                    outcome: Outcome::Failed(Shortfall::Miswired(Suspect::DeadTorquers([true; 3]))),
                     finding: Some(Finding::Magnetometer(MagnetometerFound {
                         scale: THREE,
                         cross_axis: THREE,

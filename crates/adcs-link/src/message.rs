@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the messages below. A reader refuses any other: postcard carries no field names, so
 /// bytes of another version would decode into nonsense.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 
 /// One message.
 // The large variant is the one that is sent, every cycle; nothing ever holds many.

@@ -102,7 +102,7 @@ pub enum Shortfall {
     RestsOnFailed,
     /// The active check could not tell.
     Undecided(Undecided),
-    /// A device is wired wrongly.
+    /// A device is wired wrongly, or torquers are dead.
     Miswired(Suspect),
 }
 

@@ -3,7 +3,7 @@
 //! | rung | finds | while | rests upon | code |
 //! |---|---|---|---|---|
 //! | [`Rung::Magnetometer`] | scale, bias, cross-axis terms | the torquers rest | orbit, field model | `magnetometer` |
-//! | [`Rung::Polarity`] | wrong signs, exchanged axes | one torquer pulses after the other | magnetometer | [`crate::polarity::ActiveCheck`] |
+//! | [`Rung::Polarity`] | wrong signs, exchanged axes, dead torquers | one torquer pulses after the other | magnetometer | [`crate::polarity::ActiveCheck`] |
 //! | [`Rung::Coupling`] | the torquers' field at the magnetometer | the same | magnetometer, polarity | `coupling` |
 //! | [`Rung::Sun`] | turn between Sun sensors and magnetometer | the torquers rest | magnetometer | `sun` |
 //! | [`Rung::Gyro`] | gyro bias | the same | magnetometer | `gyro` |

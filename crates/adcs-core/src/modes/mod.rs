@@ -154,7 +154,7 @@ pub enum Cause {
     Resumed,
     /// The active check could not tell; the guard goes on watching.
     Unchecked(Undecided),
-    /// A device is wired wrongly: the guard or the active check says so.
+    /// A device is wired wrongly, or torquers are dead: the guard or the active check says so.
     Miswired(Suspect),
     /// The sensors have been speaking for long enough, and there is a retry left.
     Recovered,

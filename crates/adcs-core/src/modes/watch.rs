@@ -6,7 +6,7 @@ use super::state::ModesState;
 use super::{Cause, Flown, Mode, Modes, Polarity};
 use crate::commissioning::{Ended, LadderReport, LadderState, Outcome, Rung, Shortfall};
 use crate::polarity::{
-    CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Suspect, Undecided,
+    CheckReport, CheckState, CheckStep, GuardState, GuardVerdict, Purpose, Suspect, Undecided,
 };
 
 /// What looks after the wiring: one of them at a time.
@@ -38,12 +38,13 @@ impl Modes {
     ) -> Option<(Mode, Cause)> {
         let Polarity { guard, .. } = self.polarity.as_ref()?;
         let Watch::Guard(watch) = &mut state.watch else { return None };
-        let despins = match (mode, &self.experiment) {
-            (Mode::Point, _) => false,
-            (Mode::Experiment, Some(Flown { law, .. })) => !law.points(),
-            _ => true,
+        let purpose = match (mode, &self.experiment) {
+            (Mode::Point, _) => Purpose::Point,
+            (Mode::Experiment, Some(Flown { law, .. })) if law.points() => Purpose::Point,
+            (Mode::Acquire, _) => Purpose::Acquire,
+            _ => Purpose::Despin,
         };
-        match guard.cycle(watch, &sight.witnessed.devices, despins) {
+        match guard.cycle(watch, &sight.witnessed.devices, purpose) {
             GuardVerdict::Stop { suspect, .. } if mode.drives() => {
                 Some((Mode::Safe, Cause::Miswired(suspect)))
             }

@@ -5,7 +5,7 @@
 //!
 //! 1. `turning` finds the wiring G of the gyro that explains the fields. What mirrors is
 //!    the gyro's, and the check ends.
-//! 2. G = 1: `response` finds the torquers' wiring.
+//! 2. G = 1: `response` finds the torquers' wiring, or which of them do nothing.
 //! 3. G another rotation: the gyro shows G ω, or the magnetometer ± G⁻¹ B. Two filters, each with one of
 //!    them put right, tell by the response to the pulses which it is.
 //!
@@ -17,9 +17,10 @@ use core::fmt;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::answer::{Answer, ResponseEvidence};
 use super::guard::GuardInputs;
 use super::parameters::{PolarityError, PolarityParameters};
-use super::response::{Response, ResponseEvidence, Seen};
+use super::response::{Response, Seen};
 use super::turning::Turning;
 use super::verdict::Suspect;
 use crate::frames::{Body, SignedPermutation, Vector};
@@ -81,7 +82,7 @@ pub enum CheckStep {
 pub enum CheckReport {
     /// Everything is wired as it should be.
     Sound,
-    /// A device is wired wrongly.
+    /// A device is wired wrongly, or torquers do nothing.
     Wrong(Suspect),
     /// It cannot be told.
     Undecided(Undecided),
@@ -98,7 +99,7 @@ pub enum Undecided {
     NoField,
     /// The satellite turns too slowly, or about an axis about which several wirings look alike.
     TooSlow,
-    /// Several explain the response to the pulses.
+    /// Several wirings, or dead torquers, explain the response to the pulses.
     Alike,
 }
 
@@ -194,19 +195,20 @@ impl ActiveCheck {
         if state.rounds < FEWEST_ROUNDS {
             return None;
         }
-        let response = state.gyro_put_right.evidence(true)?;
+        let response = state.gyro_put_right.evidence(false)?;
         if assumed == SignedPermutation::IDENTITY {
             let report = match response.best {
-                SignedPermutation::IDENTITY => CheckReport::Sound,
-                SignedPermutation::REVERSED => {
+                Answer::Wired(SignedPermutation::IDENTITY) => CheckReport::Sound,
+                Answer::Wired(SignedPermutation::REVERSED) => {
                     CheckReport::Wrong(Suspect::ReversedTorquersOrMagnetometer)
                 }
-                wiring => CheckReport::Wrong(Suspect::Torquers(wiring)),
+                Answer::Wired(wiring) => CheckReport::Wrong(Suspect::Torquers(wiring)),
+                Answer::Dead(dead) => CheckReport::Wrong(Suspect::DeadTorquers(dead)),
             };
             let wanted = if report == CheckReport::Sound { KNOWN } else { SURE };
             return (response.lead >= wanted).then_some(report);
         }
-        let other = state.magnetometer_put_right.evidence(true)?;
+        let other = state.magnetometer_put_right.evidence(false)?;
         gyro_or_magnetometer(assumed, &response, &other).map(CheckReport::Wrong)
     }
 

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::answer::{Answer, ResponseEvidence};
 use super::parameters::{PolarityError, PolarityParameters};
 use super::response::{Estimate, Response, Seen};
 use super::turning::{FIELD_TURN_RAD_S, Turning, TurningEvidence};
@@ -27,6 +28,9 @@ const SLOWEST_RAD_S: f32 = 0.0175;
 
 /// Natural logarithm of the odds of the best wiring over the second best at which it is named: 20.
 const NAMED: f32 = 3.0;
+/// (P − P̂)ᵀ Σ⁻¹ (P − P̂) beyond which an answer does not explain the estimate: 99.9 % of χ² with nine
+/// degrees of freedom.
+const EXPLAINED: f32 = 27.9;
 /// Growth of the energy at which control stops whatever the reason.
 const ENERGY_GROWTH: f32 = 1.2;
 /// The energy counts from this rate on, rad/s: below, the residual dipole moves it at will.
@@ -64,6 +68,17 @@ struct Balance {
     sigma_j: f32,
     /// Field, Body, T.
     field: Vector3<f32>,
+}
+
+/// What the torquers are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To take energy out: whatever does so is good enough.
+    Despin,
+    /// To take energy out, and each torquer its part of the residual dipole.
+    Acquire,
+    /// To point, each of them. A satellite may be spun up for it.
+    Point,
 }
 
 /// What the devices said and did since the last cycle.
@@ -110,13 +125,12 @@ impl Guard {
         Ok(Self { parameters: *parameters, inertia })
     }
 
-    /// One cycle of the closed loop, of which `despins` says whether it is to take energy out: a satellite
-    /// that points may be spun up on purpose. A stop stays one until the state is made anew.
+    /// One cycle of the closed loop. A stop stays one until the state is made anew.
     pub fn cycle(
         &self,
         state: &mut GuardState,
         inputs: &GuardInputs,
-        despins: bool,
+        purpose: Purpose,
     ) -> GuardVerdict {
         let p = &self.parameters;
         let dt_s = state.last.map_or(0.0, |last| inputs.now.seconds_since(last) as f32);
@@ -130,11 +144,15 @@ impl Guard {
             state.turned = Some(state.turning.evidence(p));
         }
         state.closed |= seen.dipole != Vector3::zeros();
-        if !despins {
+        if purpose == Purpose::Point {
             state.start = None;
         }
+        if field.is_some() && state.stopped.is_none() {
+            let turned_wrong = state.response.magnetometer_turned_wrong();
+            state.stopped = turned_wrong.map(Suspect::Magnetometer);
+        }
         if gyro.is_some() && state.stopped.is_none() {
-            state.stopped = self.judge(state, despins);
+            state.stopped = self.judge(state, purpose);
         }
         let evidence = state.evidence.unwrap_or(Evidence::NONE);
         match state.stopped {
@@ -143,15 +161,16 @@ impl Guard {
         }
     }
 
-    fn judge(&self, state: &mut GuardState, despins: bool) -> Option<Suspect> {
+    fn judge(&self, state: &mut GuardState, purpose: Purpose) -> Option<Suspect> {
         let limit = self.parameters.log_odds;
         let turning = state.turned;
-        let response = state.response.evidence(despins);
-        let balance = if despins { self.energy(state) } else { None };
+        let response = state.response.evidence(purpose == Purpose::Despin);
+        let balance = if purpose == Purpose::Point { None } else { self.energy(state) };
         let (energy, grown) = balance.unwrap_or((1.0, false));
         state.evidence = Some(Evidence {
             turning: turning.map_or(0.0, |it| it.wrong),
             response: response.map_or(0.0, |it| it.wrong),
+            dead: response.map_or(0.0, |it| it.dead),
             energy,
         });
         if let Some(it) = turning.filter(|it| it.wrong >= limit) {
@@ -159,14 +178,31 @@ impl Guard {
             let name = if mirrors { Suspect::Gyro } else { Suspect::GyroOrMagnetometer };
             return Some(name(it.best));
         }
-        if let Some(it) = response.filter(|it| it.wrong >= limit) {
-            return Some(match it.best {
-                _ if it.lead < NAMED => Suspect::TorquersOrReversedMagnetometer,
-                SignedPermutation::REVERSED => Suspect::ReversedTorquersOrMagnetometer,
-                wiring => Suspect::Torquers(wiring),
-            });
+        response.and_then(|it| self.accused(&it, purpose)).or(grown.then_some(Suspect::Unknown))
+    }
+
+    /// Whom the answer to the torquers speaks against, when it does.
+    ///
+    /// Torquers that change in flight leave an estimate between what they were and what they are; where
+    /// nothing explains it, it is left open what they are.
+    fn accused(&self, it: &ResponseEvidence, purpose: Purpose) -> Option<Suspect> {
+        let limit = self.parameters.log_odds;
+        let goes_on = match it.best {
+            // What is dead does no harm, and a despin has those that are left.
+            Answer::Dead(dead) => purpose == Purpose::Despin && dead != [true; 3],
+            Answer::Wired(_) => false,
+        };
+        if goes_on || it.wrong.max(it.dead) < limit {
+            return None;
         }
-        grown.then_some(Suspect::Unknown)
+        Some(match it.best {
+            _ if it.lead < NAMED || it.misfit > EXPLAINED => {
+                Suspect::TorquersOrReversedMagnetometer
+            }
+            Answer::Wired(SignedPermutation::REVERSED) => Suspect::ReversedTorquersOrMagnetometer,
+            Answer::Wired(wiring) => Suspect::Torquers(wiring),
+            Answer::Dead(dead) => Suspect::DeadTorquers(dead),
+        })
     }
 
     /// The kinetic energy over that at the start, and whether it has grown, and beyond doubt by more than

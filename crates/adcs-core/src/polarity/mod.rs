@@ -1,4 +1,4 @@
-//! Is any device wired the wrong way round? Wrong signs and exchanged axes, found by what they do.
+//! Is any device wired the wrong way round, or a torquer dead? Found by what they do.
 //!
 //! With one wrong sign B-dot spins a satellite up, and every reading looks healthy while it does. What
 //! gives a wiring away is that three devices must agree with the laws of motion:
@@ -6,12 +6,13 @@
 //! | law | disagreement means | code |
 //! |---|---|---|
 //! | Ḃ = −ω × B | gyro or magnetometer | `turning` |
-//! | J ω̇ + ω × J ω = (M + P m) × B | torquers, or a reversed magnetometer | `response` |
+//! | J ω̇ + ω × J ω = (M + P m) × B | torquers, or a reversed magnetometer | `response`, `answer` |
 //! | despin takes energy out | something else is wrong | [`Guard`] |
 //!
 //! [`Guard`] holds them against each other while a loop is closed. [`ActiveCheck`] does it before, with
 //! pulses of each torquer, and names the device and its wiring. Derivation and figures: docs/polarity.
 
+mod answer;
 mod check;
 mod guard;
 mod parameters;
@@ -26,6 +27,6 @@ pub use check::{
     ActiveCheck, CheckInputs, CheckReport, CheckState, CheckStep, LONGEST_CYCLES, LONGEST_ROUNDS,
     Undecided,
 };
-pub use guard::{Guard, GuardInputs, GuardState};
+pub use guard::{Guard, GuardInputs, GuardState, Purpose};
 pub use parameters::{PolarityError, PolarityParameters};
 pub use verdict::{Evidence, GuardVerdict, Suspect};

@@ -14,23 +14,14 @@
 //! | P | `WIRING` | the torquers do P m: nine numbers, column by column | 0.7 |
 //! | c | `FIELD_BIAS` | what the magnetometer shows too much, in `FIELD_UNIT_T` | parameter |
 //!
-//! P is estimated as any matrix, with no opinion on what it is. The signed permutations all have the same
-//! prior density, so the odds between two of them are those of the posterior,
+//! P is estimated as any matrix, with no opinion on what it is; `answer` has one.
 //!
-//! log L = −½ (P − P̂)ᵀ Σ⁻¹ (P − P̂),  Σ = covariance of P + 0.05²
-//!
-//! and the mean odds of all wrong ones against the right one are, while nothing is wrong, a martingale:
-//! that they ever rise above a has a probability of 1/a (Ville's inequality). The 0.05 stands for scale
-//! and misalignment of torquers that are wired well. Of the wrong ones only those count under which the
-//! torquers' work would have been useless or harmful, tr(Pᵀ C) against tr C, C = ∫ (B × ω) mᵀ dt, while
-//! they are to take energy out; while the satellite points, all of them do.
-//!
-//! Source: Markley & Crassidis (2014), §12.3.7, for the filter; Ville (1939) for the inequality.
+//! Source: Markley & Crassidis (2014), §12.3.7, for the filter.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+use super::answer::{Answers, ResponseEvidence};
 use super::parameters::PolarityParameters;
-use super::turning::LogSum;
 use crate::frames::SignedPermutation;
 
 /// The unit of the field, T: fields in low orbit are of order one.
@@ -40,15 +31,11 @@ const LONGEST_STEP_S: f32 = 0.5;
 /// After a longer gap it starts anew, s.
 const LONGEST_GAP_S: f32 = 10.0;
 /// Prior σ of each entry of P: of the 48, a third are ±1.
-const WIRING_PRIOR: f32 = 0.7;
-/// What torquers that are wired well may do beside P, each entry.
-const WIRING_SLACK: f32 = 0.05;
+pub(super) const WIRING_PRIOR: f32 = 0.7;
 /// A measurement further off than this many σ is left out.
 const GATE: f32 = 5.0;
 /// Over how long the work of a wiring is counted, s.
 const WORK_MEMORY_S: f32 = 300.0;
-/// A wiring that takes out less than this part of what the right one does is harmful, or useless.
-const USELESS: f32 = 0.25;
 /// So many of them in a row, and the estimate is lost.
 const LOST: u8 = 30;
 /// How the gyro bias walks, rad/s per √s (docs/filters), the residual dipole, A·m² per √s, and what is
@@ -61,6 +48,19 @@ const FIELD_BIAS_WALK: f32 = 2e-9 / FIELD_UNIT_T;
 /// What the field turns in Eci along the orbit, twice the rate of a low orbit, rad/s; correlated over a
 /// round.
 const FIELD_WALK: f32 = 2.2e-3 * 3.5;
+
+/// A magnetometer has turned wrong when for so long, s, each field is explained by a wrong wiring and not by
+/// the right one: in three rests of the paper's.
+const TURNED_WRONG_S: f32 = 15.0;
+/// By how many σ a field must differ from what is expected to be another wiring's.
+const JUMP: f32 = 10.0;
+/// A satellite may turn so fast when that begins, rad/s: 0.3 deg/s, of which a gyro that is wrong makes 3 µT in
+/// a round. And so fast while it lasts: beyond, `turning` knows better.
+const SLOW_RAD_S: f32 = 5e-3;
+const SLOWER_THAN_RAD_S: f32 = 0.0175;
+/// What each axis turned round takes from the odds, natural logarithm, and twice that each one exchanged:
+/// one wire goes more easily than two.
+const EACH_CHANGE: f32 = 3.0;
 
 /// Rate and field.
 const QUICK: usize = 6;
@@ -83,6 +83,8 @@ pub struct Response {
     log_likelihood: f32,
     /// Measurements in a row that were left out.
     contradictions: u8,
+    /// The wrong wiring of the magnetometer that explains the last field, and for how long one has, s.
+    turned_wrong: Option<(SignedPermutation, f32)>,
     /// C = ∫ (B × ω) mᵀ dt, fading: a wiring P of the torquers does the work tr(Pᵀ C) of late.
     work: Matrix3<f32>,
 }
@@ -95,23 +97,6 @@ struct Tracked {
     qq: SMatrix<f32, QUICK, QUICK>,
     qs: SMatrix<f32, QUICK, SLOW>,
     ss: SMatrix<f32, SLOW, SLOW>,
-}
-
-/// How far the torquers' wiring is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResponseEvidence {
-    /// The wiring that explains the rates best.
-    pub best: SignedPermutation,
-    /// Natural logarithm of its odds against the second best.
-    pub lead: f32,
-    /// Natural logarithm of the mean odds of all wrong wirings against the right one; in a despin those
-    /// under which the torquers' work of late would have been as good as ordered count as impossible.
-    pub wrong: f32,
-    /// Log-likelihood of the right wiring and of the reversed one; for comparing filters that were fed
-    /// differently.
-    pub right: f32,
-    /// See `right`.
-    pub reversed: f32,
 }
 
 /// Where the satellite stands, Body.
@@ -170,9 +155,22 @@ impl Response {
             let noise = p.gyro_noise_rad_s;
             self.absorb(&mut tracked, Measured::Gyro(axis), *value, noise * noise);
         }
-        for (axis, value) in seen.field.iter().flat_map(|field| field.iter().enumerate()) {
+        if let Some((_, for_s)) = &mut self.turned_wrong {
+            *for_s += dt_s;
+        }
+        if let Some(field) = seen.field.map(|field| field / FIELD_UNIT_T) {
             let noise = p.field_noise_t / FIELD_UNIT_T;
-            self.absorb(&mut tracked, Measured::Field(axis), *value / FIELD_UNIT_T, noise * noise);
+            let begun = self.turned_wrong.is_some();
+            let limit_rad_s = if begun { SLOWER_THAN_RAD_S } else { SLOW_RAD_S };
+            let slow = tracked.quick.fixed_rows::<3>(0).norm() <= limit_rad_s;
+            let wiring = if slow { tracked.turned_wrong(field, noise) } else { None };
+            let for_s = self.turned_wrong.map_or(0.0, |(_, for_s)| for_s);
+            self.turned_wrong = wiring.map(|it| (it, for_s));
+            // What a wrong wiring explains is not taken in: the next field is held against the right one.
+            let believed = field.iter().enumerate().filter(|_| wiring.is_none());
+            for (axis, value) in believed {
+                self.absorb(&mut tracked, Measured::Field(axis), *value, noise * noise);
+            }
         }
         if tracked.is_sound() && self.contradictions < LOST {
             tracked.symmetrise();
@@ -189,6 +187,11 @@ impl Response {
         self.log_likelihood -= 0.5 * (nis.min(GATE * GATE) + libm::logf(variance));
     }
 
+    /// How a magnetometer is wired that was right before, in a satellite that turns slowly.
+    pub(super) fn magnetometer_turned_wrong(&self) -> Option<SignedPermutation> {
+        self.turned_wrong.filter(|(_, for_s)| *for_s >= TURNED_WRONG_S).map(|(wiring, _)| wiring)
+    }
+
     /// What is estimated beside the wiring.
     pub(super) fn motion(&self) -> Option<Estimate> {
         let sigma = |variances: Vector3<f32>| variances.map(|v| libm::sqrtf(v.max(0.0)));
@@ -201,58 +204,14 @@ impl Response {
         })
     }
 
-    /// How far the wiring is known by now; `None` before it has started. In a despin what would have
-    /// done the work all the same does not count as wrong.
-    pub(super) fn evidence(&self, despins: bool) -> Option<ResponseEvidence> {
+    /// How far the wiring is known by now; `None` before it has started. With `by_work` what would have
+    /// done the torquers' work of late all the same does not count as wrong.
+    pub(super) fn evidence(&self, by_work: bool) -> Option<ResponseEvidence> {
         let tracked = self.tracked.as_ref()?;
         let wiring = tracked.slow.fixed_rows::<9>(WIRING).into_owned();
-        let slack = SMatrix::<f32, 9, 9>::from_diagonal_element(WIRING_SLACK * WIRING_SLACK);
-        let covariance = tracked.ss.fixed_view::<9, 9>(WIRING, WIRING) + slack;
-        let factor = covariance.cholesky()?;
-        // −½ (P − P̂)ᵀ Σ⁻¹ (P − P̂), multiplied out: of the nine entries of P three are not zero.
-        let inverse = factor.inverse();
-        let towards = inverse * wiring;
-        let middle = wiring.dot(&towards);
-        let logarithm = |p: SignedPermutation| {
-            let matrix = p.matrix();
-            let entries = || matrix.iter().enumerate().filter(|(_, sign)| **sign != 0.0);
-            let along = |at: usize| towards.get(at).copied().unwrap_or(0.0);
-            let both = |at: (usize, usize)| inverse.get(at).copied().unwrap_or(0.0);
-            let linear: f32 = entries().map(|(i, sign)| sign * along(i)).sum();
-            let square: f32 = entries()
-                .map(|(i, a)| entries().map(|(j, b)| a * b * both((i, j))).sum::<f32>())
-                .sum();
-            linear - 0.5 * (square + middle)
-        };
-        let work = |p: SignedPermutation| p.matrix().dot(&self.work);
-        let done = work(SignedPermutation::IDENTITY);
-        let (mut best, mut most, mut second) =
-            (SignedPermutation::IDENTITY, f32::NEG_INFINITY, f32::NEG_INFINITY);
-        let mut wrong = LogSum::default();
-        let right = logarithm(SignedPermutation::IDENTITY);
-        for it in SignedPermutation::all() {
-            let found = logarithm(it);
-            let counts = !despins || work(it) > USELESS * done;
-            if it != SignedPermutation::IDENTITY && counts {
-                wrong.add(found);
-            }
-            if found > most {
-                (best, most, second) = (it, found, most);
-            } else if found > second {
-                second = found;
-            }
-        }
-        // p(y | P) = p(P | y) p(y) / p(P), and p(P) is the same for all.
-        let marginal = self.log_likelihood - libm::logf(factor.determinant()) * 0.5;
-        let found = ResponseEvidence {
-            best,
-            lead: most - second,
-            wrong: wrong.mean_of_wrong() - right,
-            right: marginal + right,
-            reversed: marginal + logarithm(SignedPermutation::REVERSED),
-        };
-        let numbers = [found.lead, found.wrong, found.right, found.reversed];
-        numbers.iter().all(|it| it.is_finite()).then_some(found)
+        let covariance = tracked.ss.fixed_view::<9, 9>(WIRING, WIRING).into_owned();
+        let answers = Answers::new(wiring, covariance)?;
+        answers.evidence(self.log_likelihood, by_work.then_some(&self.work))
     }
 }
 
@@ -407,6 +366,24 @@ impl Tracked {
         (nis, variance)
     }
 
+    /// The wrong wiring of the magnetometer that makes of the field that is expected the one that was
+    /// measured, `FIELD_UNIT_T`, when that differs.
+    fn turned_wrong(&self, field: Vector3<f32>, noise: f32) -> Option<SignedPermutation> {
+        let expected = self.quick.fixed_rows::<3>(3) + self.slow.fixed_rows::<3>(FIELD_BIAS);
+        let variance = self.qq.fixed_view::<3, 3>(3, 3).trace() / 3.0 + noise * noise;
+        let squares =
+            |it: SignedPermutation| (field - it.apply(expected)).norm_squared() / variance;
+        if squares(SignedPermutation::IDENTITY) <= JUMP * JUMP {
+            return None;
+        }
+        let cost = |it: SignedPermutation| {
+            let changes: f32 = it.matrix().diagonal().iter().map(|own| changes(*own)).sum();
+            0.5 * squares(it) + EACH_CHANGE * changes
+        };
+        let best = SignedPermutation::all().min_by(|a, b| cost(*a).total_cmp(&cost(*b)))?;
+        (squares(best) <= GATE * GATE).then_some(best)
+    }
+
     fn wiring(&self) -> Matrix3<f32> {
         Matrix3::from_iterator(self.slow.iter().skip(WIRING).copied())
     }
@@ -428,6 +405,15 @@ impl Tracked {
         let positive = |variance: &f32| variance.is_finite() && *variance > 0.0;
         let (quick, slow) = (self.qq.diagonal(), self.ss.diagonal());
         finite && quick.iter().chain(slow.iter()).all(positive)
+    }
+}
+
+/// Changes of an axis, of which a wiring shows so much on its own.
+fn changes(own: f32) -> f32 {
+    match own {
+        1.0 => 0.0,
+        -1.0 => 1.0,
+        _ => 2.0,
     }
 }
 

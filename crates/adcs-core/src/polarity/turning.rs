@@ -187,7 +187,7 @@ impl Turning {
                 second = cost;
             }
         }
-        let wrong = wrong.mean_of_wrong() + right;
+        let wrong = wrong.mean_over(COUNT as f32 - 1.0) + right;
         TurningEvidence { best, lead: second - least, wrong, fields: self.fields }
     }
 }
@@ -268,12 +268,11 @@ impl LogSum {
         }
     }
 
-    /// The logarithm of the mean over all wrong wirings, those that were not added counting as
-    /// impossible; [`LEAST`] at least.
-    pub(super) fn mean_of_wrong(&self) -> f32 {
-        const WRONG: f32 = COUNT as f32 - 1.0;
+    /// The logarithm of the mean over `count`, those that were not added counting as impossible; [`LEAST`]
+    /// at least.
+    pub(super) fn mean_over(&self, count: f32) -> f32 {
         if self.sum > 0.0 {
-            (self.largest + libm::logf(self.sum / WRONG)).max(LEAST)
+            (self.largest + libm::logf(self.sum / count)).max(LEAST)
         } else {
             LEAST
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frames::SignedPermutation;
 
-/// The device that is wired wrongly: it shows, or does, P times what it should.
+/// The device that is wired wrongly: it shows, or does, P times what it should; or torquers that do nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -21,10 +21,12 @@ pub enum Suspect {
     GyroOrMagnetometer(SignedPermutation),
     /// Torquers or magnetometer, reversed as a whole: their torques are the same.
     ReversedTorquersOrMagnetometer,
-    /// The torquers in some way, or the magnetometer reversed as a whole.
+    /// The torquers in some way, dead ones included, or the magnetometer reversed as a whole.
     TorquersOrReversedMagnetometer,
     /// Somebody: the energy grows.
     Unknown,
+    /// The torquers along these axes of Body obey and do nothing.
+    DeadTorquers([bool; 3]),
 }
 
 /// What the guard goes by.
@@ -34,13 +36,15 @@ pub struct Evidence {
     pub turning: f32,
     /// Natural logarithm of the odds that torquers, or a reversed magnetometer, are.
     pub response: f32,
+    /// Natural logarithm of the odds that some of the torquers do nothing.
+    pub dead: f32,
     /// Kinetic energy over that at the start.
     pub energy: f32,
 }
 
 impl Evidence {
     /// None yet.
-    pub const NONE: Self = Self { turning: 0.0, response: 0.0, energy: 1.0 };
+    pub const NONE: Self = Self { turning: 0.0, response: 0.0, dead: 0.0, energy: 1.0 };
 }
 
 /// What the guard says while a loop is closed.
@@ -69,9 +73,17 @@ impl fmt::Display for Suspect {
             }
             Self::ReversedTorquersOrMagnetometer => write!(f, "torquers or magnetometer reversed"),
             Self::TorquersOrReversedMagnetometer => {
-                write!(f, "torquers wired wrongly, or magnetometer reversed")
+                write!(f, "torquers wired wrongly or dead, or magnetometer reversed")
             }
-            Self::Unknown => write!(f, "the energy grows"),
+            Self::Unknown => {
+                write!(f, "the energy grows")
+            }
+            Self::DeadTorquers([true, true, true]) => write!(f, "all torquers dead"),
+            Self::DeadTorquers(dead) => {
+                write!(f, "torquer dead:")?;
+                let mut names = dead.iter().zip(["x", "y", "z"]).filter(|(dead, _)| **dead);
+                names.try_for_each(|(_, name)| write!(f, " {name}"))
+            }
         }
     }
 }

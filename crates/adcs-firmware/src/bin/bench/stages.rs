@@ -28,7 +28,7 @@ use adcs_core::{
     orbit::OrbitModel,
     pipeline::{Law, Pointing, State},
     planning::{Models, PlanningState},
-    polarity::{Guard, GuardInputs, GuardState, PolarityParameters},
+    polarity::{Guard, GuardInputs, GuardState, PolarityParameters, Purpose},
     reading::{MissingReason, Reading},
     schedule::Phase,
     sensing::{Expected, SunFaces, SunFacesParameters},
@@ -295,11 +295,11 @@ fn guard(counter: &Counter) {
     };
     let mut state = GuardState::default();
     for cycle in 0..50 {
-        guard.cycle(&mut state, &at(cycle), true);
+        guard.cycle(&mut state, &at(cycle), Purpose::Despin);
     }
     for (name, cycle) in [("guard_round", 50), ("guard_cycle", 51)] {
         let inputs = black_box(at(cycle));
-        print(name, counter.count(|| guard.cycle(&mut state, &inputs, true)));
+        print(name, counter.count(|| guard.cycle(&mut state, &inputs, Purpose::Despin)));
     }
     eprintln!("bytes guard_state {}", size_of::<GuardState>());
 }

@@ -1,4 +1,4 @@
-//! `adcs study polarity`: wrong wirings against guard and check.
+//! `adcs study polarity`: wrong wirings and dead torquers against guard and check.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,10 +9,10 @@ use adcs_core::polarity::PolarityParameters;
 use adcs_ground::study::campaign::fly_all;
 use adcs_ground::study::closed_loop::{Conditions, Device, Fault, Sampling, StartingRate};
 use adcs_ground::study::despin::{quantile, share};
-use adcs_ground::study::polarity::pointing::{Pointed, fly_pointing, turned_round};
+use adcs_ground::study::polarity::pointing::{Naming, Pointed, Trouble, fly_pointing, troubles};
 use adcs_ground::study::polarity::{
-    CheckFigures, Checked, GuardFigures, Guarded, conditions, faults, fly_check, fly_guarded,
-    told_of_errors, with_all_errors,
+    CheckFigures, Checked, DEAD, DeadFigures, GuardFigures, Guarded, conditions, dead_name, faults,
+    fly_check, fly_guarded, told_of_errors, with_all_errors,
 };
 use anyhow::{Context as _, Result};
 
@@ -26,26 +26,35 @@ Magnetometer, gyro or torquers are wired in each of the 47 wrong ways (signed pe
   guard         B-dot is flown for 1200 s under the guard, which has listened before (--listen), and once
                 without. Harmful are the wirings with which the energy then grows.
   check         the active check alone: a pulse of a torquer each round until the wiring is known
+  dead          one torquer, or all, obey and do nothing: the same guard and check. Left over is the energy
+                after 1200 s without guard, over that at the start
   sound         nothing is wrong: how often the guard stops control all the same, and what the check says
   pointing      nothing is wrong, but everything else is (case `everything` of `adcs study pointing`): from
                 separation on, by the mode machine, until it has pointed for --orbits
-  turns wrong   the same, and after one orbit of pointing one axis, or all, of a device is turned round
+  turns wrong   the same, and after one orbit of pointing one axis, or all, of a device is turned round,
+                or one torquer, or all, die. Named by the guard that stops it, and by the active
+                check that the ground commands then: right, the device alone right, wrong
 
 Examples
   $ adcs study polarity
   $ adcs study polarity --flights 5 --sound 5000 --csv polarity.csv
   $ adcs study polarity --rate 1 --flights 1        slower: less to tell wirings apart by
+  $ adcs study polarity --flights 0 --sound 0 --dead 50
   $ adcs study polarity --flights 0 --sound 5000 --first-seed 100001
   $ adcs study polarity --flights 0 --sound 5000 --listen 0 --all-errors
   $ adcs study polarity --flights 0 --sound 0 --pointing 200 --turns-wrong 20";
 
-/// Wrong signs and exchanged axes: how fast they are stopped, how well they are named, false alarms
+/// Wrong signs, exchanged axes, dead torquers: how fast they are stopped, how well they are named, false alarms
 #[derive(Debug, clap::Args)]
 #[command(after_help = HELP)]
 pub struct Args {
     /// Flights of each wrong wiring of each device
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=10_000))]
     flights: u64,
+
+    /// Flights with each torquer dead, and with all of them
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=10_000))]
+    dead: u64,
 
     /// Flights of a satellite that is wired well
     #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
@@ -55,11 +64,11 @@ pub struct Args {
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=1_000_000))]
     pointing: u64,
 
-    /// Flights of each device that turns wrong while it points
+    /// Flights of each device that turns wrong, and of torquers that die, while it points
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u64).range(0..=10_000))]
     turns_wrong: u64,
 
-    /// How long it points, or from what has turned wrong on, orbits
+    /// How long it points, or from what has gone wrong on, orbits
     #[arg(long, default_value_t = 3.0, value_parser = orbits)]
     orbits: f64,
 
@@ -166,6 +175,34 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             write(&mut table, &checked_row(number, check))?;
         }
     }
+    if args.dead > 0 {
+        print(
+            "\ndead             stopped by the guard within, %            left over      check   named, %            lasted, s",
+        );
+        print(
+            "        flights    60 s   120 s   300 s  1200 s  named, %   median    95 %    right   wrong  median   95 %    all",
+        );
+    }
+    for dead in DEAD.iter().filter(|_| args.dead > 0) {
+        let conditions = Conditions { dead: *dead, ..args.conditions(None) };
+        let guarded = flown(args.dead, |hear| {
+            let fly = |number| {
+                fly_guarded(&conditions, &parameters, args.listen, args.seed(number), true)
+            };
+            fly_all(args.dead, fly, hear)
+        })?;
+        let checked = flown(args.dead, |hear| {
+            let fly = |number| fly_check(&conditions, &parameters, args.seed(number));
+            fly_all(args.dead, fly, hear)
+        })?;
+        show_dead(dead_name(*dead), args.dead, &DeadFigures::of(&guarded, &checked));
+        for (number, flight) in (args.first_seed..).zip(&guarded) {
+            write(&mut table, &guarded_row("dead", number, flight))?;
+        }
+        for (number, check) in (args.first_seed..).zip(&checked) {
+            write(&mut table, &checked_row(number, check))?;
+        }
+    }
     if args.sound > 0 {
         let conditions = args.conditions(None);
         let sound = flown(args.sound, |hear| {
@@ -187,13 +224,17 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             write(&mut table, &guarded_row("sound", number, flight))?;
         }
     }
+    let pointed = point(args)?;
+    for row in &pointed {
+        write(&mut table, row)?;
+    }
     finish(table)?;
-    point(args)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// The flights that point.
-fn point(args: &Args) -> Result<()> {
+/// The flights that point, one row each.
+fn point(args: &Args) -> Result<Vec<[String; 9]>> {
+    let mut rows = Vec::new();
     let rate = StartingRate::AnyAxis(args.rate.to_radians());
     if args.pointing > 0 {
         let flights = flown(args.pointing, |hear| {
@@ -201,21 +242,24 @@ fn point(args: &Args) -> Result<()> {
             fly_all(args.pointing, fly, hear)
         })?;
         show_pointing(&flights, args);
+        rows.extend((args.first_seed..).zip(&flights).map(|it| pointed_row("pointing", it)));
     }
     if args.turns_wrong > 0 {
         print("\nturns wrong                     pointing ended by");
         print(
-            "                      flights   guard   error    rate  attitude  other   median   95 %    all, s   not ended",
+            "                      flights   guard (right device wrong) check (right device wrong)  error    rate  attitude  other   median   95 %    all, s   not ended",
         );
-        for fault in turned_round() {
+        for trouble in troubles() {
             let flights = flown(args.turns_wrong, |hear| {
-                let fly = |number| fly_pointing(rate, args.orbits, Some(fault), args.seed(number));
+                let fly =
+                    |number| fly_pointing(rate, args.orbits, Some(trouble), args.seed(number));
                 fly_all(args.turns_wrong, fly, hear)
             })?;
-            show_turned(fault, &flights);
+            show_turned(trouble, &flights);
+            rows.extend((args.first_seed..).zip(&flights).map(|it| pointed_row("turned", it)));
         }
     }
-    Ok(())
+    Ok(rows)
 }
 
 fn show_pointing(flights: &[Pointed], args: &Args) {
@@ -242,7 +286,18 @@ fn named(cause: Cause) -> String {
     }
 }
 
-fn show_turned(fault: Fault, flights: &[Pointed]) {
+fn show_turned(trouble: Trouble, flights: &[Pointed]) {
+    let [device, what] = trouble_cells(Some(trouble));
+    let suspects = flights.iter().filter_map(|flight| match flight.left?.1.cause {
+        Cause::Miswired(suspect) => Some(trouble.naming(suspect)),
+        _ => None,
+    });
+    let checks = flights.iter().filter_map(|flight| match flight.checked? {
+        Cause::Miswired(suspect) => Some(trouble.naming(suspect)),
+        _ => None,
+    });
+    let named = |naming| suspects.clone().filter(|it| *it == naming).count();
+    let checked = |naming| checks.clone().filter(|it| *it == naming).count();
     let mut by = BTreeMap::<&str, usize>::new();
     for (_, transition) in flights.iter().filter_map(|flight| flight.left) {
         let kind = match transition.cause {
@@ -261,11 +316,15 @@ fn show_turned(fault: Fault, flights: &[Pointed]) {
     let worst = on.clone().map(|flight| flight.mean_deg).fold(0.0, f64::max);
     let on = on.count();
     print(format_args!(
-        "  {:12} {:12} {:4} {:7} {:7} {:7} {:9} {:6} {:8.0} {:6.0} {:9.0}   {on}, mean to {worst:.1} deg",
-        fault.device.name(),
-        fault.wiring.to_string(),
+        "  {device:12} {what:12} {:4} {:7} {:6} {:6} {:5}  {:12} {:6} {:5}  {:7} {:7} {:9} {:6} {:8.0} {:6.0} {:9.0}   {on}, mean to {worst:.1} deg",
         flights.len(),
         count("guard"),
+        named(Naming::Right),
+        named(Naming::Device),
+        named(Naming::Wrong),
+        checked(Naming::Right),
+        checked(Naming::Device),
+        checked(Naming::Wrong),
         count("error"),
         count("rate"),
         count("attitude"),
@@ -322,6 +381,25 @@ fn show_checked(devices: &[Option<Device>], checks: &[Checked]) {
     }
 }
 
+fn show_dead(name: &str, count: u64, of: &DeadFigures<'_>) {
+    let within = |t_s| 100.0 * of.stopped_within(t_s);
+    print(format_args!(
+        "  {name:9} {count:4} {:7.1} {:7.1} {:7.1} {:7.1} {:9.1} {:8.2} {:7.2} {:8.1} {:7.1} {:7.0} {:6.0} {:6.0}",
+        within(60.0),
+        within(120.0),
+        within(300.0),
+        within(1200.0),
+        100.0 * of.named_by_guard(),
+        of.left_over(0.5),
+        of.left_over(0.95),
+        100.0 * of.named_by_check(),
+        100.0 * of.misnamed_by_check(),
+        of.lasted_s(0.5),
+        of.lasted_s(0.95),
+        of.lasted_s(1.0),
+    ));
+}
+
 fn show_sound(flights: &[Guarded], first_seed: u64) {
     let alarms = flights.iter().filter(|flight| flight.stop.is_some()).count();
     let share = 100.0 * share(flights.iter().map(|flight| flight.stop.is_some()));
@@ -348,14 +426,45 @@ const COLUMNS: [&str; 9] = [
     "energy_at_end_unguarded",
 ];
 
-fn fault_cells(fault: Option<Fault>) -> [String; 2] {
-    fault.map_or([String::new(), String::new()], |it| {
-        [it.device.name().to_owned(), it.wiring.to_string()]
-    })
+fn fault_cells(fault: Option<Fault>, dead: [bool; 3]) -> [String; 2] {
+    match fault {
+        Some(it) => [it.device.name().to_owned(), it.wiring.to_string()],
+        None if dead == [false; 3] => [String::new(), String::new()],
+        None => [Device::Torquers.name().to_owned(), dead_name(dead).to_owned()],
+    }
+}
+
+fn trouble_cells(trouble: Option<Trouble>) -> [String; 2] {
+    match trouble {
+        Some(Trouble::Turned(fault)) => fault_cells(Some(fault), [false; 3]),
+        Some(Trouble::Dead(dead)) => fault_cells(None, dead),
+        None => fault_cells(None, [false; 3]),
+    }
+}
+
+fn pointed_row(campaign: &str, (number, flight): (u64, &Pointed)) -> [String; 9] {
+    let [device, wiring] = trouble_cells(flight.trouble);
+    let left = flight.left.map(|(t_s, transition)| (t_s, transition.cause));
+    let (after, verdict) =
+        left.or(flight.ended).map_or((String::new(), "not ended".to_owned()), |(t_s, cause)| {
+            (t_s.to_string(), named(cause))
+        });
+    let none = String::new;
+    [
+        campaign.to_owned(),
+        number.to_string(),
+        device,
+        wiring,
+        after,
+        verdict,
+        none(),
+        none(),
+        none(),
+    ]
 }
 
 fn guarded_row(campaign: &str, number: u64, flight: &Guarded) -> [String; 9] {
-    let [device, wiring] = fault_cells(flight.fault);
+    let [device, wiring] = fault_cells(flight.fault, flight.dead);
     let (after, verdict) =
         flight.stop.map_or((String::new(), "not stopped".to_owned()), |(t_s, suspect)| {
             (t_s.to_string(), suspect.to_string())
@@ -374,7 +483,7 @@ fn guarded_row(campaign: &str, number: u64, flight: &Guarded) -> [String; 9] {
 }
 
 fn checked_row(number: u64, check: &Checked) -> [String; 9] {
-    let [device, wiring] = fault_cells(check.fault);
+    let [device, wiring] = fault_cells(check.fault, check.dead);
     [
         "check".to_owned(),
         number.to_string(),

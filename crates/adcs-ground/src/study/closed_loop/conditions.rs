@@ -46,6 +46,8 @@ pub struct Conditions {
     pub flaws: FlawSizes,
     /// A device that is wired wrongly.
     pub fault: Option<Fault>,
+    /// Torquers that obey and do nothing.
+    pub dead: [bool; 3],
 }
 
 impl Default for Conditions {
@@ -69,6 +71,7 @@ impl Default for Conditions {
             field_model_error_t: 0.0,
             flaws: FlawSizes::default(),
             fault: None,
+            dead: [false; 3],
         }
     }
 }

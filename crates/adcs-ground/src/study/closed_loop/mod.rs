@@ -18,6 +18,7 @@ mod sensors;
 
 use adcs_app::parameters::FlightParameters;
 use adcs_core::frames::{Body, Eci, Rotation, TorquerAxes, Vector};
+use adcs_core::modes::Mode;
 use adcs_core::pipeline::{Configuration, Inputs, State, Thoughts, cycle};
 use adcs_core::polarity::SignedPermutation;
 use adcs_core::schedule::{Phase, Schedule};
@@ -127,6 +128,7 @@ pub struct ClosedLoop {
     /// What they do of what they are told: scale and wiring.
     torquers: nalgebra::Matrix3<f64>,
     told: Vector<TorquerAxes>,
+    commanded: Option<Mode>,
     flaws: Flaws,
 }
 
@@ -206,8 +208,9 @@ impl ClosedLoop {
             lag_s,
             stepped: None,
             scale,
-            torquers: scale * wiring(conditions.fault, Device::Torquers),
+            torquers: scale * wiring(conditions.fault, Device::Torquers) * alive(conditions.dead),
             told: Vector::zero(),
+            commanded: None,
             flaws,
         })
     }
@@ -245,7 +248,7 @@ impl ClosedLoop {
             sun_a: shown.sun_a,
             carried: self.told,
             refused: false,
-            commanded: None,
+            commanded: self.commanded.take(),
         };
         let thoughts = cycle(&self.configuration, &mut self.state, &inputs);
         let moment = Moment { now, phase, truth, carried: self.told, thoughts };
@@ -259,6 +262,16 @@ impl ClosedLoop {
     pub fn rewire(&mut self, fault: Option<Fault>) {
         self.torquers = self.scale * wiring(fault, Device::Torquers);
         self.sensors.rewire(fault);
+    }
+
+    /// What the ground commands for the next cycle.
+    pub fn command(&mut self, mode: Mode) {
+        self.commanded = Some(mode);
+    }
+
+    /// From now on these torquers obey and do nothing.
+    pub fn kill(&mut self, dead: [bool; 3]) {
+        self.torquers *= alive(dead);
     }
 
     /// What is wrong with the sensors of this satellite.
@@ -344,6 +357,11 @@ impl ClosedLoop {
 fn wiring(fault: Option<Fault>, device: Device) -> nalgebra::Matrix3<f64> {
     let at_fault = fault.filter(|fault| fault.device == device);
     at_fault.map_or(SignedPermutation::IDENTITY, |fault| fault.wiring).matrix().cast()
+}
+
+/// What torquers do of what they are told when these are dead.
+fn alive(dead: [bool; 3]) -> nalgebra::Matrix3<f64> {
+    nalgebra::Matrix3::from_diagonal(&dead.map(|dead| if dead { 0.0 } else { 1.0 }).into())
 }
 
 /// The same orbit with everything `late_s` later.

@@ -49,6 +49,54 @@ impl<'a> GuardFigures<'a> {
     }
 }
 
+/// Flights and checks of a satellite with dead torquers.
+#[derive(Debug, Clone)]
+pub struct DeadFigures<'a> {
+    flights: &'a [Guarded],
+    checks: &'a [Checked],
+}
+
+impl<'a> DeadFigures<'a> {
+    /// Of flights and checks that all have the same ones dead.
+    pub fn of(flights: &'a [Guarded], checks: &'a [Checked]) -> Self {
+        Self { flights, checks }
+    }
+
+    /// Share of the flights that the guard stopped within this time of the loop being closed.
+    pub fn stopped_within(&self, t_s: f64) -> f64 {
+        share(self.flights.iter().map(|it| it.stop.is_some_and(|(at_s, _)| at_s <= t_s)))
+    }
+
+    /// Share of the stopped ones in which it named what is dead.
+    pub fn named_by_guard(&self) -> f64 {
+        let suspects = self.flights.iter().filter_map(|it| Some((it.stop?.1, it.dead)));
+        share(suspects.map(|(suspect, dead)| suspect == Suspect::DeadTorquers(dead)))
+    }
+
+    /// Quantile of the energy at the end of the flight over that at closing when nobody stops it.
+    pub fn left_over(&self, share: f64) -> f64 {
+        quantile(self.flights.iter().filter_map(|it| it.unguarded).collect(), share)
+    }
+
+    /// Share of the checks that named what is dead.
+    pub fn named_by_check(&self) -> f64 {
+        let right = |it: &Checked| CheckReport::Wrong(Suspect::DeadTorquers(it.dead));
+        share(self.checks.iter().map(|it| it.report == right(it)))
+    }
+
+    /// Share of the checks that said something else than that or nothing.
+    pub fn misnamed_by_check(&self) -> f64 {
+        let right = |it: &Checked| CheckReport::Wrong(Suspect::DeadTorquers(it.dead));
+        let decided = |it: &Checked| !matches!(it.report, CheckReport::Undecided(_));
+        share(self.checks.iter().map(|it| decided(it) && it.report != right(it)))
+    }
+
+    /// Quantile of how long a check took, s.
+    pub fn lasted_s(&self, share: f64) -> f64 {
+        quantile(self.checks.iter().map(|it| it.t_s).collect(), share)
+    }
+}
+
 /// Active checks of one device, or of a satellite that is wired well.
 #[derive(Debug, Clone)]
 pub struct CheckFigures<'a> {

@@ -1,4 +1,4 @@
-//! Wrong wirings: how fast the guard stops them, how often it is wrong, and how well the active check
+//! Wrong wirings and dead torquers: how fast the guard stops them, how often it is wrong, and how well the active check
 //! names them.
 
 mod figures;
@@ -9,7 +9,7 @@ use adcs_core::control::allocation::Allocation;
 use adcs_core::frames::Vector;
 use adcs_core::polarity::{
     ActiveCheck, CheckReport, CheckState, CheckStep, Evidence, Guard, GuardInputs, GuardState,
-    GuardVerdict, PolarityParameters, SignedPermutation, Suspect,
+    GuardVerdict, PolarityParameters, Purpose, SignedPermutation, Suspect,
 };
 use anyhow::Result;
 
@@ -19,7 +19,7 @@ use super::closed_loop::{
 use super::pointing::case::everything_wrong;
 use super::sprout::{DEG, InertiaError};
 
-pub use figures::{CheckFigures, GuardFigures};
+pub use figures::{CheckFigures, DeadFigures, GuardFigures};
 
 /// Length of a flight, s: that of the paper's despin.
 pub const FLIGHT_S: f64 = 1200.0;
@@ -39,8 +39,8 @@ pub fn conditions(rate_deg_s: f64, sampling: Sampling, fault: Option<Fault>) -> 
 
 /// The same with everything wrong that is wrong in the pointing study's case `everything`.
 pub fn with_all_errors(plain: &Conditions) -> Conditions {
-    let Conditions { rate, start_in_sunlight, gyro, fault, .. } = *plain;
-    Conditions { rate, start_in_sunlight, gyro, fault, ..everything_wrong() }
+    let Conditions { rate, start_in_sunlight, gyro, fault, dead, .. } = *plain;
+    Conditions { rate, start_in_sunlight, gyro, fault, dead, ..everything_wrong() }
 }
 
 /// What guard and check are told then: that the magnetometer's calibration leaves 500 nT.
@@ -55,11 +55,28 @@ pub fn faults() -> Vec<Fault> {
     Device::ALL.into_iter().flat_map(of).collect()
 }
 
+/// One torquer that obeys and does nothing, or all of them.
+pub const DEAD: [[bool; 3]; 4] =
+    [[true, false, false], [false, true, false], [false, false, true], [true; 3]];
+
+/// What such torquers are called.
+pub fn dead_name(dead: [bool; 3]) -> &'static str {
+    match dead {
+        [true, false, false] => "x dead",
+        [false, true, false] => "y dead",
+        [false, false, true] => "z dead",
+        [true, true, true] => "all dead",
+        _ => "some dead",
+    }
+}
+
 /// A guarded flight of B-dot, and the same without guard.
 #[derive(Debug, Clone, Copy)]
 pub struct Guarded {
     /// What was wrong.
     pub fault: Option<Fault>,
+    /// Torquers that were dead.
+    pub dead: [bool; 3],
     /// When control was stopped, s, and who was suspected.
     pub stop: Option<(f64, Suspect)>,
     /// Largest energy with the guard over that at the start.
@@ -112,7 +129,7 @@ pub fn fly_guarded(
         let moment = closed_loop.step_with(|moment| {
             let said = inputs(moment, &allocation);
             if stop.is_none() {
-                match guard.cycle(&mut state, &said, true) {
+                match guard.cycle(&mut state, &said, Purpose::Despin) {
                     GuardVerdict::Stop { suspect, evidence: now } => {
                         stop = Some(((moment.truth.t_s - listen_s).max(0.0), suspect));
                         evidence = now;
@@ -120,6 +137,7 @@ pub fn fly_guarded(
                     GuardVerdict::Sound(now) => {
                         evidence.turning = evidence.turning.max(now.turning);
                         evidence.response = evidence.response.max(now.response);
+                        evidence.dead = evidence.dead.max(now.dead);
                         evidence.energy = evidence.energy.max(now.energy);
                     }
                 }
@@ -139,7 +157,8 @@ pub fn fly_guarded(
         }
     }
     let unguarded = if compare { Some(energy_ratio(conditions, listen_s, seed)?) } else { None };
-    Ok(Guarded { fault: conditions.fault, stop, largest, controlled, unguarded, evidence })
+    let Conditions { fault, dead, .. } = *conditions;
+    Ok(Guarded { fault, dead, stop, largest, controlled, unguarded, evidence })
 }
 
 /// Energy at the end of a B-dot flight without guard over that at its start.
@@ -166,6 +185,8 @@ fn energy_ratio(conditions: &Conditions, listen_s: f64, seed: u64) -> Result<f64
 pub struct Checked {
     /// What was wrong.
     pub fault: Option<Fault>,
+    /// Torquers that were dead.
+    pub dead: [bool; 3],
     /// What came out.
     pub report: CheckReport,
     /// When, s.
@@ -202,7 +223,8 @@ pub fn fly_check(
         let energy = moment.truth.kinetic_energy_j;
         largest = largest.max(energy / *start.get_or_insert(energy));
         if let CheckStep::Done(report) = step {
-            return Ok(Checked { fault: conditions.fault, report, t_s: moment.truth.t_s, largest });
+            let Conditions { fault, dead, .. } = *conditions;
+            return Ok(Checked { fault, dead, report, t_s: moment.truth.t_s, largest });
         }
     }
     anyhow::bail!("the active check did not end")

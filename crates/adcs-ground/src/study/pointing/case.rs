@@ -185,6 +185,7 @@ impl Case {
                 self.conditions.residual_dipole_am2.map(|m| (m * dipole_share) as f32);
             // As sure as a filter can be told to be.
             dynamics.dipole_prior_am2 = 2e-4;
+            dynamics.dipole_walk_am2_per_sqrt_s = 0.0;
         }
         let flies = match self.knowledge {
             Knowledge::Mekf => Flies::Mekf,

@@ -29,7 +29,7 @@ use crate::time::Utc;
 
 /// Rounds after which it gives up: twenty minutes of the paper's. Pulses of half that length, as of a schedule
 /// that points, and slow tumbles take that many.
-pub const LONGEST_ROUNDS: u8 = 96;
+pub const LONGEST_ROUNDS: u8 = 160;
 /// Cycles after which it gives up whatever the phases say: 20 minutes of half seconds.
 pub const LONGEST_CYCLES: u16 = 2400;
 /// Each torquer has been pulsed once.

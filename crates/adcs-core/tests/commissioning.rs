@@ -136,7 +136,7 @@ fn a_satellite_that_shows_nothing_ends_every_rung_in_its_time_and_says_why() {
 fn each_rung_alone_ends_in_its_time_when_the_readings_do_not_tell() {
     for rung in Rung::ALL {
         let mut climb = Climb::new(passed_below(rung));
-        climb.seconds(1_300, &frozen());
+        climb.seconds(1_900, &frozen());
         let (first, outcome) = climb.ended[0];
         assert_eq!(first, rung);
         let slow = Outcome::Failed(Shortfall::Undecided(Undecided::TooSlow));
@@ -275,7 +275,7 @@ proptest! {
         all in prop::collection::vec(any_witnessed(), 1..40),
     ) {
         let mut climb = Climb::new(passed_below(Rung::ALL[rung]));
-        for witnessed in all.iter().cycle().take(2_800) {
+        for witnessed in all.iter().cycle().take(4_000) {
             let step = climb.cycle(*witnessed);
             let most = PolarityParameters::default().pulse_am2;
             prop_assert!(step.pulse.norm() <= most, "{:?}", step.pulse);

@@ -88,14 +88,8 @@ mod tests {
             attitude: None,
             rate: None,
             reason: Reason::DynamicNotTrusted,
-            mekf: mekf::Output { estimate: None, field: None, sun: None, event: None },
-            dynamic: DynamicOutput {
-                estimate: Some(estimate),
-                gyro: None,
-                field: None,
-                sun: None,
-                event: None,
-            },
+            mekf: mekf::Output::none(None),
+            dynamic: DynamicOutput { estimate: Some(estimate), ..DynamicOutput::none(None) },
         }
     }
 

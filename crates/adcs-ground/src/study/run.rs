@@ -209,7 +209,7 @@ impl<T: RealField + Copy> Filters<T> {
             let since_last = sensors(moment, step_s * f64::from(STEPS_A_SECOND));
             self.mekf.cycle(&mut self.mekf_state, &since_last)
         });
-        let silent = mekf::Output { estimate: None, field: None, sun: None, event: None };
+        let silent = mekf::Output::none(None);
         let inputs = DynamicInputs {
             sensors: sensors(moment, step_s),
             reference_field: Some(vector(moment.field_i)),

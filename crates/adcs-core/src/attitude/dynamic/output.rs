@@ -100,7 +100,8 @@ impl<T: RealField + Copy> DynamicEstimate<T> {
 }
 
 impl<T: RealField + Copy> DynamicOutput<T> {
-    pub(in crate::attitude) fn none(event: Option<DynamicEvent>) -> Self {
+    /// No estimate, and nothing held against one.
+    pub fn none(event: Option<DynamicEvent>) -> Self {
         Self { estimate: None, gyro: None, field: None, sun: None, event }
     }
 }

@@ -224,7 +224,7 @@ fn there_is_no_start_without_gyro_model_or_mekf() {
         assert!(output.estimate.is_none() && output.event.is_none());
     }
     let mut pair = Pair::new(&parameters(true, true));
-    let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+    let nothing = mekf::Output::none(None);
     assert!(pair.filter.cycle(&mut pair.state, &inputs(1.0), &nothing).estimate.is_none());
 }
 

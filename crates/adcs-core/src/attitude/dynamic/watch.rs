@@ -273,7 +273,7 @@ mod tests {
             estimate.consistent = false;
         }
         let event = Some(Event::Lost(Lost::Gyro));
-        let silent = mekf::Output { estimate: None, field: None, sun: None, event };
+        let silent = mekf::Output::none(event);
         for mekf in [doubting, silent] {
             let watch = after(1000, &ALL_GOOD, &mekf);
             assert!(watch.trusts() && !gives_up(&watch));

@@ -304,7 +304,7 @@ impl<T: RealField + Copy> Mekf<T> {
                 consistent,
             }
         });
-        Output { estimate, field: None, sun: None, event }
+        Output { estimate, ..Output::none(event) }
     }
 }
 

@@ -18,6 +18,13 @@ pub struct Output<T: RealField + Copy = f32> {
     pub event: Option<Event>,
 }
 
+impl<T: RealField + Copy> Output<T> {
+    /// No estimate, and nothing held against one.
+    pub fn none(event: Option<Event>) -> Self {
+        Self { estimate: None, field: None, sun: None, event }
+    }
+}
+
 /// Attitude, rate and bias, and how well they are known.
 #[derive(Debug, Clone, Copy)]
 pub struct FilterEstimate<T: RealField + Copy = f32> {

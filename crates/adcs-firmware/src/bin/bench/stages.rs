@@ -218,7 +218,7 @@ fn dynamic(counter: &Counter) {
         }
         state
     };
-    let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+    let nothing = mekf::Output::none(None);
     let stage = Stage { counter };
     for (name, sensors) in [
         ("dynamic_predict", Inputs { dt_s: 0.5, ..silent }),
@@ -267,7 +267,7 @@ fn blocks(counter: &Counter) {
         for _ in 0..3 {
             estimator.cycle(&mut state, &inputs);
         }
-        let nothing = mekf::Output { estimate: None, field: None, sun: None, event: None };
+        let nothing = mekf::Output::none(None);
         stage.count(name, state, |mut state| {
             let outcome = filter.cycle(&mut state.dynamic, &inputs, &nothing);
             (state, outcome)

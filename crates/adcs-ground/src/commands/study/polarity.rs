@@ -442,6 +442,15 @@ fn trouble_cells(trouble: Option<Trouble>) -> [String; 2] {
     }
 }
 
+/// A row in the order of the header; an energy that there is none of is left empty.
+fn row(campaign: &str, number: u64, told: [String; 4], energies: [Option<f64>; 3]) -> [String; 9] {
+    let [device, wiring, after, verdict] = told;
+    let [until_stop, largest, at_end] =
+        energies.map(|it| it.map_or(String::new(), |ratio| ratio.to_string()));
+    let (campaign, number) = (campaign.to_owned(), number.to_string());
+    [campaign, number, device, wiring, after, verdict, until_stop, largest, at_end]
+}
+
 fn pointed_row(campaign: &str, (number, flight): (u64, &Pointed)) -> [String; 9] {
     let [device, wiring] = trouble_cells(flight.trouble);
     let left = flight.left.map(|(t_s, transition)| (t_s, transition.cause));
@@ -449,18 +458,7 @@ fn pointed_row(campaign: &str, (number, flight): (u64, &Pointed)) -> [String; 9]
         left.or(flight.ended).map_or((String::new(), "not ended".to_owned()), |(t_s, cause)| {
             (t_s.to_string(), named(cause))
         });
-    let none = String::new;
-    [
-        campaign.to_owned(),
-        number.to_string(),
-        device,
-        wiring,
-        after,
-        verdict,
-        none(),
-        none(),
-        none(),
-    ]
+    row(campaign, number, [device, wiring, after, verdict], [None; 3])
 }
 
 fn guarded_row(campaign: &str, number: u64, flight: &Guarded) -> [String; 9] {
@@ -469,30 +467,12 @@ fn guarded_row(campaign: &str, number: u64, flight: &Guarded) -> [String; 9] {
         flight.stop.map_or((String::new(), "not stopped".to_owned()), |(t_s, suspect)| {
             (t_s.to_string(), suspect.to_string())
         });
-    [
-        campaign.to_owned(),
-        number.to_string(),
-        device,
-        wiring,
-        after,
-        verdict,
-        flight.controlled.to_string(),
-        flight.largest.to_string(),
-        flight.unguarded.map_or(String::new(), |ratio| ratio.to_string()),
-    ]
+    let energies = [Some(flight.controlled), Some(flight.largest), flight.unguarded];
+    row(campaign, number, [device, wiring, after, verdict], energies)
 }
 
 fn checked_row(number: u64, check: &Checked) -> [String; 9] {
     let [device, wiring] = fault_cells(check.fault, check.dead);
-    [
-        "check".to_owned(),
-        number.to_string(),
-        device,
-        wiring,
-        check.t_s.to_string(),
-        check.report.to_string(),
-        String::new(),
-        check.largest.to_string(),
-        String::new(),
-    ]
+    let told = [device, wiring, check.t_s.to_string(), check.report.to_string()];
+    row("check", number, told, [None, Some(check.largest), None])
 }

@@ -99,13 +99,7 @@ fn believed(truth: &Truth, r_bi: Rotation<Body, Eci>, omega_bi: Vector<Body>) ->
         attitude: Some(Attitude { r_bi, covariance, source: AttitudeSource::Dynamic }),
         rate: Some(Rate { omega_bi, sigma_rad_s: SURE, source: RateSource::Dynamic }),
         reason: Reason::Best,
-        mekf: mekf::Output { estimate: None, field: None, sun: None, event: None },
-        dynamic: DynamicOutput {
-            estimate: Some(estimate),
-            gyro: None,
-            field: None,
-            sun: None,
-            event: None,
-        },
+        mekf: mekf::Output::none(None),
+        dynamic: DynamicOutput { estimate: Some(estimate), ..DynamicOutput::none(None) },
     }
 }
